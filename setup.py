@@ -1,0 +1,59 @@
+"""Build file of the ament_python package: `pip install .` without ROS, `colcon build` with it."""
+
+from glob import glob
+
+from setuptools import find_namespace_packages, setup
+
+PACKAGE = "seat_gear_dynamics"
+SHARE = f"share/{PACKAGE}"
+
+# Each requirement: why it is here, and the lowest version the test suite was run with.
+REQUIREMENTS = [
+    "numpy>=1.26",  # arrays; 1.26 is what Ubuntu 24.04 (ROS 2 Jazzy) ships
+    "scipy>=1.11",  # quadrature of tooth compliance, static equilibrium; 1.11 is Ubuntu 24.04's
+    "numba>=0.59",  # compiles the Runge-Kutta kernels for the machine they run on; 0.59 is the first for Python 3.12
+    "PyYAML>=6.0",  # the system description
+    "mcap>=1.2",  # writes and reads the log's container
+    "zstandard>=0.22",  # compresses the log's chunks (mcap names it as the codec)
+    "rosbags>=0.10",  # ROS 2 Jazzy message definitions and type hashes, and bag reading
+    "rich>=13.7",  # the live terminal view
+    "matplotlib>=3.6",  # the report's figures
+    "cyclonedds>=11.0",  # DDS for the bundled runtime; never imported where rclpy is installed
+]
+
+DEVELOPMENT = [
+    "pytest>=8",  # runs the tests
+    "pytest-timeout>=2.3",  # a process test that hangs fails instead of stopping CI
+    "hypothesis>=6.100",  # property tests
+    "mypy>=1.13",  # types
+    "types-PyYAML",  # types of PyYAML
+    "ruff>=0.8",  # lint and format
+]
+
+setup(
+    name=PACKAGE,
+    version="0.1.0",
+    description="Virtual sensor and rattle warning for car-seat height adjusters",
+    license="Apache-2.0",
+    python_requires=">=3.11",
+    packages=[*find_namespace_packages(include=[f"{PACKAGE}*"]), f"{PACKAGE}.config"],
+    package_dir={f"{PACKAGE}.config": "config"},
+    package_data={f"{PACKAGE}.config": ["*.yaml"], PACKAGE: ["py.typed"]},
+    data_files=[
+        ("share/ament_index/resource_index/packages", [f"resource/{PACKAGE}"]),
+        (SHARE, ["package.xml"]),
+        (f"{SHARE}/config", glob("config/*.yaml")),
+        (f"{SHARE}/launch", glob("launch/*.launch.py")),
+    ],
+    install_requires=REQUIREMENTS,
+    extras_require={"dev": DEVELOPMENT},
+    zip_safe=False,
+    entry_points={
+        "console_scripts": [
+            f"seat-gear = {PACKAGE}.commands:main",
+            f"monitor = {PACKAGE}.nodes.monitor:main",
+            f"recorder = {PACKAGE}.nodes.recorder:main",
+            f"simulator = {PACKAGE}.nodes.simulator:main",
+        ]
+    },
+)
