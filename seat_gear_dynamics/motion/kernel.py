@@ -1,0 +1,244 @@
+"""The compiled march: classical Runge-Kutta (20)-(21), step locked to the mesh period, state and tangent together.
+
+(20) as printed lacks its factor 1/6 (an erratum): y + h/6·(k1 + 2·k2 + 2·k3 + k4) is the method, and is used.
+"""
+
+from math import isfinite, log, pi, sqrt
+from typing import NamedTuple
+
+import numpy as np
+from numba import njit
+from numpy.typing import NDArray
+
+Array = NDArray[np.float64]
+Index = NDArray[np.int64]
+
+FINISHED, DIVERGED, SECTIONS_FULL = 0, 1, 2
+WINDOW_COLUMNS = ("duration", "sum", "sum_of_squares", "minimum", "maximum", "separated")
+SECTION_COLUMNS = ("tau", "delta", "rate", "growth_12", "growth_34")
+
+_BEYOND = 1e8  # a mesh deflection of a hundred million b_c is a diverged solution, not a motion
+_RENORMALISE = 1024  # steps after which the tangent is rescaled where no section does it (standstill)
+
+
+class Equations(NamedTuple):
+    """The coefficients as the march wants them; shapes as in `Coefficients`."""
+
+    stiffness: Array
+    damping: Array
+    direction: Array
+    reaction: Array
+    drive: Array
+    mesh_damping: Array
+    half_backlash: Array
+
+
+class Grid(NamedTuple):
+    """The tables as the march wants them; see `tables.Tables`."""
+
+    first: Array
+    second: Array
+    base: int
+    base_second: int
+    levels: int
+    cycle: int
+    longest_step: float
+
+
+class Segment(NamedTuple):
+    """Inputs linear in τ from `tau` on; steps are made while they start before `end`."""
+
+    tau: float
+    end: float
+    frequency: float
+    frequency_slope: float
+    load: float
+    load_slope: float
+
+
+@njit(cache=True, error_model="numpy")
+def _rates(
+    y: Array, z: Array, row: Array, rate: float, load: float, eq: Equations, dy: Array, dz: Array, mesh: Array
+) -> None:
+    """Fill dy = dy/dτ and dz = Jacobian·z; mesh[j] = (δ, δ′, force, in contact) of each mesh.
+
+    f(δ) is continuous, so the tangent needs no jump where contact changes; its slope is κ in contact and 0 out of it.
+    """
+    for j in range(2):
+        o = 6 * j
+        delta, speed = -row[j, 1], -row[j, 2] * rate
+        d_delta, d_speed = 0.0, 0.0
+        for i in range(o, o + 6):
+            delta += eq.direction[i] * y[i]
+            speed += eq.direction[i] * y[i + 12]
+            d_delta += eq.direction[i] * z[i]
+            d_speed += eq.direction[i] * z[i + 12]
+        half = eq.half_backlash[j]
+        beyond, contact = 0.0, 0.0
+        if delta > half:
+            beyond, contact = delta - half, 1.0
+        elif delta < -half:
+            beyond, contact = delta + half, 1.0
+        kappa, c = row[j, 0], eq.mesh_damping[j]
+        force = kappa * beyond + c * speed
+        d_force = kappa * contact * d_delta + c * d_speed
+        mesh[j, 0], mesh[j, 1], mesh[j, 2], mesh[j, 3] = delta, speed, force, contact
+        for i in range(o, o + 6):
+            dy[i] = y[i + 12]
+            dz[i] = z[i + 12]
+            k, b, g = eq.stiffness[i], eq.damping[i], eq.reaction[i]
+            dy[i + 12] = load * eq.drive[i] - k * y[i] - b * y[i + 12] - g * force
+            dz[i + 12] = -k * z[i] - b * z[i + 12] - g * d_force
+
+
+@njit(cache=True, error_model="numpy")
+def _look_up(row: Array, grid: Grid, level: int, half: int) -> None:
+    """Copy the excitation of both meshes at half step `half` of `level` into row, shape (2, 3)."""
+    scale = 1 << level
+    n1, n2 = 2 * grid.base * scale, 2 * grid.base_second * scale
+    i1 = 2 * grid.base * (scale - 1) + half % n1
+    i2 = 2 * grid.base_second * (scale - 1) + half % n2
+    for k in range(3):
+        row[0, k] = grid.first[i1, k]
+        row[1, k] = grid.second[i2, k]
+    row[1, 2] *= grid.base / grid.base_second  # P34's phase runs slower than P12's, to whose rate slopes are taken
+
+
+@njit(cache=True, error_model="numpy")
+def _renormalise(z: Array, growth: Array) -> None:
+    """Scale each pair's tangent to length 1 and add the logarithm of what it had grown by."""
+    for j in range(2):
+        total = 0.0
+        for i in range(6 * j, 6 * j + 6):
+            total += z[i] * z[i] + z[i + 12] * z[i + 12]
+        norm = sqrt(total)
+        if norm > 0.0 and isfinite(norm):
+            growth[j] += log(norm)
+            for i in range(6 * j, 6 * j + 6):
+                z[i] /= norm
+                z[i + 12] /= norm
+        else:  # died out below the smallest number: start another direction, its growth is unknown
+            z[6 * j] = 1.0
+
+
+@njit(cache=True, error_model="numpy")
+def _count(window: Array, mesh: Array, h: float) -> None:
+    """Add one step's start values to the window, (2, 6) in the order of WINDOW_COLUMNS."""
+    for j in range(2):
+        force = mesh[j, 2]
+        window[j, 0] += h
+        window[j, 1] += h * force
+        window[j, 2] += h * force * force
+        window[j, 3] = min(window[j, 3], force)
+        window[j, 4] = max(window[j, 4], force)
+        window[j, 5] += h * (1.0 - mesh[j, 3])
+
+
+@njit(cache=True, error_model="numpy")
+def _grid_level(frequency: float, place: int, grid: Grid) -> int:
+    """Return the coarsest level whose step is short enough and on whose grid `place` lies; grid.levels means creep."""
+    speed = abs(frequency)
+    for level in range(grid.levels):
+        stride = 1 << (grid.levels - 1 - level)
+        if place % stride == 0 and 2 * pi <= grid.longest_step * speed * grid.base * (1 << level):
+            return level
+    return grid.levels
+
+
+@njit(cache=True, error_model="numpy")
+def march(
+    y: Array,
+    z: Array,
+    clock: Array,
+    place: Index,
+    growth: Array,
+    window: Array,
+    sections: Array,
+    recorded: Index,
+    eq: Equations,
+    grid: Grid,
+    segment: Segment,
+) -> int:
+    """Advance by whole steps while a step starts before `segment.end`; return a result code.
+
+    In and out: y, z (24,) state and tangent; clock (2,) = τ and the creep's unspent phase in finest steps; place (2,)
+    = finest step of the common cycle and steps since the tangent was rescaled; growth (2,) logarithmic growth since
+    the last section; window (2, 6); sections (n, 5) with recorded[0] rows used. Frequency and load are held over a
+    step at their value at its start, so that a step depends on no input later than that: the result is independent of
+    how the time axis is cut into calls.
+    """
+    k1, k2, k3, k4, ys = np.empty(24), np.empty(24), np.empty(24), np.empty(24), np.empty(24)
+    j1, j2, j3, j4, zs = np.empty(24), np.empty(24), np.empty(24), np.empty(24), np.empty(24)
+    mesh, spare, row = np.empty((2, 4)), np.empty((2, 4)), np.empty((2, 3))
+    finest = grid.levels - 1
+    period = grid.base << finest
+    while clock[0] < segment.end:
+        if recorded[0] >= sections.shape[0]:
+            return SECTIONS_FULL
+        since = clock[0] - segment.tau
+        frequency = segment.frequency + segment.frequency_slope * since
+        load = segment.load + segment.load_slope * since
+        level = _grid_level(frequency, place[0], grid)
+        if level < grid.levels:
+            h = 2 * pi / (abs(frequency) * grid.base * (1 << level))
+            rate = frequency / (2 * pi)
+            stride = 1 << (finest - level)
+            forward = 1 if frequency > 0 else -1
+        else:  # creep: the excitation is held, and the phase moves on by whole finest steps when it has gone that far
+            level, h, rate, stride, forward = finest, grid.longest_step, 0.0, 0, 0
+            clock[1] += frequency * h / (2 * pi) * period
+            if abs(clock[1]) >= 1.0:
+                forward = 1 if clock[1] > 0 else -1
+                stride = int(abs(clock[1]))
+                clock[1] -= forward * stride
+        half = 2 * (place[0] >> (finest - level))
+        toward = forward if rate != 0.0 else 0
+        _look_up(row, grid, level, half)
+        _rates(y, z, row, rate, load, eq, k1, j1, mesh)
+        if not abs(mesh[0, 0]) + abs(mesh[1, 0]) < _BEYOND:
+            return DIVERGED
+        _count(window, mesh, h)
+        for i in range(24):
+            ys[i] = y[i] + 0.5 * h * k1[i]
+            zs[i] = z[i] + 0.5 * h * j1[i]
+        _look_up(row, grid, level, half + toward)
+        _rates(ys, zs, row, rate, load, eq, k2, j2, spare)
+        for i in range(24):
+            ys[i] = y[i] + 0.5 * h * k2[i]
+            zs[i] = z[i] + 0.5 * h * j2[i]
+        _rates(ys, zs, row, rate, load, eq, k3, j3, spare)
+        for i in range(24):
+            ys[i] = y[i] + h * k3[i]
+            zs[i] = z[i] + h * j3[i]
+        _look_up(row, grid, level, half + 2 * toward)
+        _rates(ys, zs, row, rate, load, eq, k4, j4, spare)
+        for i in range(24):
+            y[i] += h / 6 * (k1[i] + 2 * k2[i] + 2 * k3[i] + k4[i])
+            z[i] += h / 6 * (j1[i] + 2 * j2[i] + 2 * j3[i] + j4[i])
+        clock[0] += h
+        place[0] = (place[0] + forward * stride) % grid.cycle
+        place[1] += 1
+        if place[0] % period == 0 and stride > 0:
+            _renormalise(z, growth)
+            place[1] = 0
+            _look_up(row, grid, level, 2 * (place[0] >> (finest - level)))
+            _rates(y, z, row, rate, load, eq, k1, j1, mesh)
+            r = recorded[0]
+            sections[r, 0], sections[r, 1], sections[r, 2] = clock[0], mesh[0, 0], mesh[0, 1]
+            sections[r, 3], sections[r, 4] = growth[0], growth[1]
+            growth[0], growth[1] = 0.0, 0.0
+            recorded[0] = r + 1
+        elif place[1] >= _RENORMALISE:
+            _renormalise(z, growth)
+            place[1] = 0
+    return FINISHED
+
+
+@njit(cache=True, error_model="numpy")
+def mesh_values(y: Array, place: Index, frequency: float, eq: Equations, grid: Grid) -> Array:
+    """Return (δ, δ′, force, in contact) of both meshes at the present place, shape (2, 4)."""
+    row, mesh = np.empty((2, 3)), np.empty((2, 4))
+    scratch_y, scratch_z, z = np.empty(24), np.empty(24), np.zeros(24)
+    _look_up(row, grid, grid.levels - 1, 2 * place[0])
+    _rates(y, z, row, frequency / (2 * pi), 0.0, eq, scratch_y, scratch_z, mesh)
+    return mesh

@@ -1,0 +1,78 @@
+"""The response at one operating point: run in, then sampled period by period."""
+
+from dataclasses import dataclass
+from math import pi
+
+import numpy as np
+from numpy.typing import NDArray
+
+from seat_gear_dynamics.motion.march import LONGEST_STEP, Inputs, March, Window
+from seat_gear_dynamics.motion.system import System
+from seat_gear_dynamics.motion.tables import TARGET_STEPS
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class Response:
+    """A motion at a steady drive, after its run-in."""
+
+    system: System
+    section: Array
+    """Stroboscopic Poincaré section of P12 at mesh phase 0, shape (periods, 2): δ/b_c and its rate."""
+    growth: Array
+    """Logarithmic growth of a tangent over each sampled period, shape (periods, 2) for P12 and P34."""
+    windows: tuple[Window, Window]
+    """Dimensionless force statistics of P12 and P34 over the sampled periods."""
+    state: Array
+    """Final state, (24,), at mesh phase 0."""
+    force_unit: float
+    """N per unit of dimensionless force."""
+
+    @property
+    def period(self) -> float:
+        """The mesh period of P12 in units of τ."""
+        return 2 * pi / abs(self.system.operating_point.frequency)
+
+
+def integrate(
+    system: System,
+    *,
+    transient: int = 600,
+    periods: int = 400,
+    state: Array | None = None,
+    target_steps: int = TARGET_STEPS,
+    longest_step: float = LONGEST_STEP,
+) -> Response:
+    """Integrate `system` over `transient` mesh periods of P12, then sample `periods` more.
+
+    Starts at static deflection, or at `state` (24,) with mesh phase 0. Raises ValueError at zero frequency (there is
+    no mesh period) and DivergedError where the solution blows up. P34 is driven at z3/z2 of the frequency.
+    """
+    point = system.operating_point
+    if point.frequency == 0:
+        raise ValueError("The frequency is 0, where there is no mesh period to sample; give a speed other than 0.")
+    if transient < 0 or periods < 1:
+        raise ValueError(f"Asked for {transient} transient and {periods} sampled periods; expected at least 0 and 1.")
+    march = March(system.train, load=point.load, target_steps=target_steps, longest_step=longest_step)
+    if state is not None:
+        march.state = state
+    inputs = Inputs(point.frequency, point.load)
+    period = 2 * pi / abs(point.frequency)
+    _through(march, inputs, transient, period)
+    collected: list[Array] = []
+    windows = _through(march, inputs, periods, period, collected)
+    points = np.concatenate(collected)
+    return Response(system, points[:, 1:3], points[:, 3:5], windows, march.state, march.force_unit)
+
+
+def _through(
+    march: March, inputs: Inputs, periods: int, period: float, collected: list[Array] | None = None
+) -> tuple[Window, Window]:
+    """March through whole periods; half a step short of the end, so that rounding of τ cannot add a step."""
+    if not periods:
+        return Window(), Window()
+    begin = march.tau
+    slack = period / march.steps_per_period / 2**8  # less than half of the finest level's step
+    end = begin + periods * period - slack
+    return march.advance((begin, inputs), (end, inputs), None if collected is None else collected.append)

@@ -1,0 +1,63 @@
+"""Excitation tabulated at the half steps of the march: stiffness, error and its slope for both meshes on every grid.
+
+The step is locked to the mesh period, so that an excitation is the same table each period. Both meshes stay on their
+grids because a P12 period is divided into a multiple of z3/gcd(z2, z3) steps: 40 periods of P12 are 17 of P34.
+Slow drives need more steps a period to keep the step short in time: level l divides the period 2^l times finer.
+"""
+
+from dataclasses import dataclass
+from math import gcd, lcm
+
+import numpy as np
+from numpy.typing import NDArray
+
+from seat_gear_dynamics.gears import GearTrain
+
+Array = NDArray[np.float64]
+
+LEVELS = 7
+"""Grids per mesh period: base, 2·base, … 64·base steps; below that frequency the mesh phase creeps."""
+TARGET_STEPS = 256
+"""Steps per P12 period aimed at on the coarsest grid."""
+
+
+@dataclass(frozen=True)
+class Tables:
+    """Half-step tables of one train, (stiffness/k̄_12, e/b_c, de/dp/b_c) in the last axis."""
+
+    first: Array
+    """P12, all levels one after the other, shape (2·base·(2^LEVELS − 1), 3)."""
+    second: Array
+    """P34 likewise, shape (2·base2·(2^LEVELS − 1), 3)."""
+    base: int
+    """Steps per P12 period on level 0."""
+    base_second: int
+    """Steps per P34 period on level 0, when both advance together."""
+
+    @property
+    def cycle(self) -> int:
+        """Finest steps after which both meshes are back where they were."""
+        finest = 1 << (LEVELS - 1)
+        return finest * lcm(self.base, self.base_second)
+
+
+def tables(train: GearTrain, *, target_steps: int = TARGET_STEPS) -> Tables:
+    """Return the tables of `train` with at least `target_steps` steps per P12 period on the coarsest grid."""
+    _, s2, s3, _ = train.gears
+    p, q = s3.teeth // gcd(s2.teeth, s3.teeth), s2.teeth // gcd(s2.teeth, s3.teeth)
+    base = p * -(-target_steps // p)
+    base_second = base * q // p
+    mean, length = train.meshes[0].mean_model_stiffness, train.model.displacement_scale
+
+    def mesh_table(index: int, steps: int) -> Array:
+        mesh = train.meshes[index]
+        phase = np.concatenate([np.arange(2 * steps * 2**level) / (2 * steps * 2**level) for level in range(LEVELS)])
+        error = mesh.transmission_error
+        columns = (
+            mesh.stiffness.value(phase) / mean,
+            error.value(phase) / length,
+            error.derivative(phase) / length,
+        )
+        return np.ascontiguousarray(np.column_stack(columns))
+
+    return Tables(mesh_table(0, base), mesh_table(1, base_second), base, base_second)

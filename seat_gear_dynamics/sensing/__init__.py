@@ -1,0 +1,22 @@
+"""The same model beside a running bench: virtual sensor and alarm, with time and data as arguments."""
+
+from seat_gear_dynamics.sensing.alarm import Alarm, AlarmSettings, Level, Verdict
+from seat_gear_dynamics.sensing.reading import Contact, ForceWindow, Reading
+from seat_gear_dynamics.sensing.regime_watch import RegimeWatch
+from seat_gear_dynamics.sensing.session import Change, Session
+from seat_gear_dynamics.sensing.virtual_sensor import RejectedSampleError, VirtualSensor
+
+__all__ = [
+    "Alarm",
+    "AlarmSettings",
+    "Change",
+    "Contact",
+    "ForceWindow",
+    "Level",
+    "Reading",
+    "RegimeWatch",
+    "RejectedSampleError",
+    "Session",
+    "Verdict",
+    "VirtualSensor",
+]
