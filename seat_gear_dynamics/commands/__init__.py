@@ -1,0 +1,70 @@
+"""The `seat-gear` command line: one short module per command, loaded when it runs."""
+
+import argparse
+import sys
+from collections.abc import Sequence
+from importlib import import_module
+
+from seat_gear_dynamics import __version__
+
+# command -> module; every module has HELP, EXAMPLE, add_arguments(parser) and run(arguments) -> exit code, and imports
+# at its top nothing heavier than argparse, so that --help is quick.
+COMMANDS = {
+    "bench": "bench",
+    "monitor": "node",
+    "record": "node",
+    "simulator": "node",
+    "simulate": "simulate",
+    "stiffness": "stiffness",
+    "analyze": "analyze",
+    "replay": "replay",
+}
+
+
+def main(arguments: Sequence[str] | None = None) -> int:
+    """Run `seat-gear`; returns 0 done, 1 failed; wrong use exits with 2."""
+    parsed = _parser().parse_args(arguments)
+    try:
+        return int(parsed.run(parsed))
+    except KeyboardInterrupt:
+        return 130
+    except _expected() as error:
+        print(f"error: {error}", file=sys.stderr)
+        return 1
+
+
+def _expected() -> tuple[type[Exception], ...]:
+    """Return the errors whose text is a sentence for the user; imported only once one has happened."""
+    from seat_gear_dynamics.bench.errors import BenchError
+    from seat_gear_dynamics.commands.errors import CommandError
+    from seat_gear_dynamics.gears.errors import DescriptionError
+    from seat_gear_dynamics.logs.errors import LogError
+
+    return (BenchError, CommandError, DescriptionError, LogError, OSError)
+
+
+def _parser() -> argparse.ArgumentParser:
+    parser = argparse.ArgumentParser(
+        prog="seat-gear",
+        description="Virtual sensor and rattle warning for car-seat height adjusters.",
+        epilog="Start with: seat-gear bench --duration 60",
+    )
+    parser.add_argument("--version", action="version", version=f"seat-gear {__version__}")
+    commands = parser.add_subparsers(title="commands", required=True, metavar="COMMAND")
+    for name, module_name in COMMANDS.items():
+        module = import_module(f"seat_gear_dynamics.commands.{module_name}")
+        texts = module.TEXTS[name]
+        command = commands.add_parser(
+            name,
+            help=texts.help,
+            description=texts.help,
+            epilog=f"example:\n  {texts.example}",
+            formatter_class=argparse.RawDescriptionHelpFormatter,
+        )
+        command.add_argument(
+            "--system", metavar="FILE", help="system description (default: the packaged height adjuster)"
+        )
+        command.add_argument("--json", action="store_true", help="print one JSON object and nothing else")
+        module.add_arguments(command)
+        command.set_defaults(run=module.run, command=name)
+    return parser

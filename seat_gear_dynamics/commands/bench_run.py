@@ -1,0 +1,156 @@
+"""One run of the bench: start the three processes in order, watch them live, end them in order."""
+
+import signal
+import tempfile
+from collections.abc import Callable
+from datetime import datetime
+from pathlib import Path
+from time import monotonic
+from types import FrameType
+
+import rclpy
+from rclpy.node import Node
+from rich.console import Console
+from rich.live import Live
+
+from seat_gear_dynamics.bench.profiles import profile
+from seat_gear_dynamics.commands.children import Child
+from seat_gear_dynamics.commands.errors import CommandError
+from seat_gear_dynamics.commands.listener import Listener
+from seat_gear_dynamics.gears import load_train
+from seat_gear_dynamics.gears.units import RPM
+from seat_gear_dynamics.logs import topics
+from seat_gear_dynamics.views.live import WIDTH, plain_line, render
+from seat_gear_dynamics.views.live_state import LiveState
+
+_START_PATIENCE = 120.0  # s; the first start on a machine compiles the model
+_FRAME = 0.1  # s between two frames of the live view
+_PLAIN = 1.0  # s between two lines where the output is no terminal
+
+
+class BenchRun:
+    """Simulator, monitor and recorder as three processes over DDS, and this process looking on."""
+
+    def __init__(
+        self,
+        *,
+        duration: float | None,
+        output: Path | None,
+        profile_name: str,
+        system: str | None,
+        seed: int,
+        quiet: bool,
+    ) -> None:
+        if duration is not None and not 0 < duration < float("inf"):
+            raise CommandError(f"--duration is {duration!r} s, expected more than 0.")
+        profile(profile_name)  # an unknown name is refused before anything starts
+        train = load_train(system)
+        self.output = (output or Path(f"seat_gear_log_{datetime.now():%Y%m%d_%H%M%S}")).absolute()
+        if self.output.exists():
+            raise CommandError(f"The log directory {self.output} exists already; choose another --output or move it.")
+        self._duration = duration
+        self._profile, self._seed = profile_name, seed
+        self._system = str(Path(system).absolute()) if system else ""
+        self._console = Console(quiet=quiet)
+        self._stop = False
+        self._children: list[Child] = []
+        self._begin = 0.0
+        self._next_history = 0.0
+        self._state = LiveState(
+            title=f"seat-gear bench: {profile_name}",
+            bands_rpm=tuple((band.low / RPM, band.high / RPM) for band in train.bands),
+            covered_rpm=max(train.model.covered_speed / RPM, 2200.0),
+            load_scale=train.model.load_scale,
+            duration=duration,
+        )
+
+    def run(self) -> str:
+        """Run to the end; return how it ended: `duration` or `interrupted`. Raises CommandError if a process fails."""
+        for number in (signal.SIGINT, signal.SIGTERM):
+            signal.signal(number, self._on_signal)
+        from rclpy.signals import SignalHandlerOptions
+
+        rclpy.init(args=[], signal_handler_options=SignalHandlerOptions.NO)
+        node = Listener(self._state)
+        try:
+            with tempfile.TemporaryDirectory(prefix="seat_gear_bench_") as words:
+                try:
+                    self._start(node, Path(words))
+                    self._watch(node)
+                finally:
+                    self._end()
+        finally:
+            node.destroy_node()
+            rclpy.try_shutdown()
+        return "interrupted" if self._stop else "duration"
+
+    def _start(self, node: Listener, words: Path) -> None:
+        """Start recorder and monitor, then, once the log hears every topic, the simulator."""
+        self._child("recorder", words, output=str(self.output), system=self._system)
+        self._child("monitor", words, system=self._system)
+        self._console.print("starting the recorder and the monitor (the first start compiles the model)…")
+        self._wait(node, lambda: {"bench_recorder", "gear_monitor"} <= node.heard, "recorder and monitor to report")
+        self._child("simulator", words, profile=self._profile, seed=str(self._seed))
+        self._wait(node, lambda: _heard_by_recorder(node), "the recorder to hear every topic")
+
+    def _child(self, name: str, words: Path, **parameters: str) -> None:
+        given = [f"{key}:={value}" for key, value in parameters.items() if value]
+        flags = [part for parameter in given for part in ("-p", parameter)]
+        self._children.append(Child(name, ["--ros-args", *flags], words / f"{name}.txt"))
+
+    def _wait(self, node: Node, reached: Callable[[], bool], what: str) -> None:
+        begin = monotonic()
+        while not reached() and not self._stop:
+            rclpy.spin_once(node, timeout_sec=_FRAME)
+            self._check()
+            if monotonic() - begin > _START_PATIENCE:
+                raise CommandError(f"Waited {_START_PATIENCE:.0f} s for {what}; look at the network and ROS_DOMAIN_ID.")
+
+    def _watch(self, node: Node) -> None:
+        self._begin = monotonic()
+        live = Live(console=self._console, auto_refresh=False, transient=False)
+        fancy = self._console.is_terminal and not self._console.is_dumb_terminal and self._console.width >= WIDTH
+        if not fancy:
+            self._loop(node, _PLAIN, lambda: self._console.print(plain_line(self._state), soft_wrap=True))
+            return
+        with live:
+            self._loop(node, _FRAME, lambda: live.update(render(self._state), refresh=True))
+
+    def _loop(self, node: Node, period: float, show: Callable[[], None]) -> None:
+        """Spin, and call `show` every `period` s, until the run's end."""
+        due = 0.0
+        while not self._stop and (self._duration is None or monotonic() - self._begin < self._duration):
+            rclpy.spin_once(node, timeout_sec=0.05)
+            elapsed = monotonic() - self._begin
+            self._state.elapsed = elapsed
+            if elapsed >= due:
+                self._check()
+                self._remember(elapsed)
+                show()
+                due = elapsed + period
+
+    def _remember(self, elapsed: float) -> None:
+        if self._state.speed_rpm is not None:
+            self._state.history.append((elapsed, abs(self._state.speed_rpm), self._state.level))
+
+    def _check(self) -> None:
+        for child in self._children:
+            child.check()
+
+    def _end(self) -> None:
+        """End the source first and the recorder last, so that the log holds everything."""
+        order = {"simulator": 0, "monitor": 1, "recorder": 2}
+        for child in sorted(self._children, key=lambda child: order[child.name]):
+            child.end()
+
+    def _on_signal(self, number: int, frame: FrameType | None) -> None:
+        self._stop = True
+
+
+def _heard_by_recorder(node: Node) -> bool:
+    """Return whether each declared topic has a subscription of the recorder and a publisher."""
+    for topic in topics.TOPICS:
+        publishers = node.count_publishers(topic.name)
+        if publishers == 0 or node.count_subscribers(topic.name) == 0:
+            return False
+    return True

@@ -1,0 +1,110 @@
+"""A recorded run as arrays: what a report needs of a log, and whether the log is complete."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+from seat_gear_dynamics.logs import topics
+from seat_gear_dynamics.logs.errors import LogError
+from seat_gear_dynamics.logs.reader import Bag
+from seat_gear_dynamics.logs.series import JointSeries, Status
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class Flow:
+    """How one topic came: count, median period and longest gap between publications, s (NaN below two messages)."""
+
+    topic: str
+    count: int
+    period: float
+    longest_gap: float
+
+
+@dataclass(frozen=True)
+class Run:
+    """A log's contents over time in s since its start; SI units throughout."""
+
+    path: Path
+    duration: float
+    speed: tuple[Array, Array]
+    """time, rad/s of s1"""
+    load: tuple[Array, Array]
+    """time, N·m"""
+    force: JointSeries | None
+    """`gear_monitor/mesh_force`, or None where the log has none."""
+    warnings: list[Status]
+    section: Array
+    """Section points of P12, shape (n, 3): δ/b_c, dimensionless rate, time in s; each point once."""
+    flows: list[Flow]
+    damage: str | None
+    software_version: str | None
+    system_text: str | None
+    """The description the bench ran with, as the log keeps it."""
+
+
+def read_run(path: Path | str) -> Run:
+    """Read a run from a log of ours, or from any bag with speed and load; raises LogError for what is no log."""
+    bag = Bag(path)
+    metadata = bag.metadata or {}
+    speed, load = bag.scalars(topics.MOTOR_SPEED.name), bag.scalars(topics.LOAD_TORQUE.name)
+    force = bag.joint(topics.MESH_FORCE.name) if _has(bag, topics.MESH_FORCE) else None
+    warnings = bag.statuses(topics.CHAOS_WARNING.name) if _has(bag, topics.CHAOS_WARNING) else []
+    section = _section(bag) if _has(bag, topics.POINCARE) else np.empty((0, 3))
+    return Run(
+        path=bag.path,
+        duration=(bag.end_ns - bag.start_ns) * 1e-9,
+        speed=speed,
+        load=load,
+        force=force,
+        warnings=warnings,
+        section=section,
+        flows=_flows(bag),
+        damage=bag.damage,
+        software_version=metadata.get("software_version"),
+        system_text=metadata.get("system"),
+    )
+
+
+def _has(bag: Bag, topic: topics.Topic) -> bool:
+    try:
+        return bag.topics[bag.resolve(topic.name)].count > 0
+    except LogError:
+        return False
+
+
+def _section(bag: Bag) -> Array:
+    """Return the section points of all clouds; clouds overlap, so each point is taken once, by its time."""
+    layout = np.dtype([("x", "<f4"), ("y", "<f4"), ("z", "<f4"), ("t", "<f8")])
+    clouds: list[Array] = []
+    last = -np.inf
+    for _, log_ns, _, cloud in bag.decoded(topics.POINCARE.name):
+        names = [field.name for field in cloud.fields]
+        if names != list(layout.names or ()) or cloud.point_step != layout.itemsize:
+            raise LogError(f"A cloud in {bag.path} has fields {names}; expected x, y, z, t of 20 bytes a point.")
+        points = np.frombuffer(bytes(cloud.data), dtype=layout)
+        if not len(points):
+            continue
+        # t counts from the monitor's first sample; the newest point came within one publication of this message
+        shift = (log_ns - bag.start_ns) * 1e-9 - float(points["t"][-1])
+        fresh = points[points["t"] > last] if points["t"][-1] > last else points
+        last = float(points["t"][-1])
+        clouds.append(np.column_stack([fresh["x"], fresh["y"], fresh["t"] + shift]).astype(np.float64))
+    return np.concatenate(clouds) if clouds else np.empty((0, 3))
+
+
+def _flows(bag: Bag) -> list[Flow]:
+    times: dict[str, list[int]] = {name: [] for name in bag.topics}
+    for message in bag.messages():
+        times[message.topic].append(message.publish_time_ns)
+    flows = []
+    for name, stamps in sorted(times.items()):
+        gaps = np.diff(np.sort(np.array(stamps, dtype=np.int64))) * 1e-9
+        median, longest = (float(np.median(gaps)), float(gaps.max())) if len(gaps) else (np.nan, np.nan)
+        flows.append(Flow(name, len(stamps), median, longest))
+    return flows

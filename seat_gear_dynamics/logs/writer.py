@@ -1,0 +1,292 @@
+"""Writes a rosbag2 bag of MCAP files with bounded loss, and claims nothing that is not on disk."""
+
+from __future__ import annotations
+
+import errno
+from contextlib import suppress
+from pathlib import Path
+from types import TracebackType
+from typing import NoReturn, Self
+
+from . import metadata
+from .counters import Account, Counters
+from .disk import replace_text, sync_folder
+from .errors import LogError, reason
+from .limits import Limits
+from .metadata import FileRecord, TopicRecord
+from .schemas import schema
+from .segment import COMPRESSIONS, Compression, Segment
+from .topics import Qos
+
+LATEST = 2**63  # log times are signed 64-bit nanoseconds in metadata.yaml
+
+
+class BagWriter:
+    """Writes `directory/metadata.yaml` and `directory/NAME_0.mcap`, `NAME_1.mcap` …
+
+    Bounded loss: at least every `sync_interval_s` of log time (the times passed in; no clock is read) the
+    chunk in progress is closed and fsynced, and `metadata.yaml` is replaced. A process killed at any moment
+    leaves a bag that opens and holds every message synced before. A sync takes as long as the disk takes for
+    three fsyncs, in the calling thread. The writer is not thread-safe.
+
+    When the disk refuses, the call raises one `LogError`; the bag is cut back to its last sync and closed,
+    `failure` keeps the sentence, and later messages are counted as dropped without another error.
+
+    `chunk_size` and `max_size_bytes` are bytes; the size of a file is known only as chunks close, so a file
+    outgrows `max_size_bytes` by up to one chunk and the summary. `system_text` is the YAML text of the system
+    parameters, `system_hash` its sha256 and `software_version` the package's; all three go into every file.
+    `custom_data` becomes rosbag2's custom_data and may be filled until `close`.
+    """
+
+    def __init__(
+        self,
+        directory: Path | str,
+        *,
+        system_text: str,
+        system_hash: str,
+        software_version: str,
+        chunk_size: int = 1_000_000,
+        compression: Compression = "zstd",
+        sync_interval_s: float = 1.0,
+        max_size_bytes: int | None = None,
+        max_duration_s: float | None = None,
+    ) -> None:
+        """Create the directory and its first file; raises `LogError` if it exists or cannot be created."""
+        self.directory = Path(directory)
+        self.custom_data: dict[str, str] = {}
+        self.failure: str | None = None
+        self._limits = Limits(chunk_size, sync_interval_s, max_size_bytes, max_duration_s)
+        if compression not in COMPRESSIONS:
+            raise LogError(f"The compression {compression!r} is unknown; use one of {', '.join(COMPRESSIONS)}.")
+        self._compression: Compression = compression
+        self._library = f"seat_gear_dynamics {software_version}"
+        self._provenance = {
+            "system": system_text,
+            "system_hash": system_hash,
+            "software_version": software_version,
+        }
+        self._topics: dict[str, Account] = {}
+        self._files: list[FileRecord] = []  # the finished ones
+        self._segment: Segment | None = None
+        self._news = False  # whether the present file holds anything but repetitions
+        self._unsynced = False
+        self._last_sync: int | None = None
+        self._create()
+
+    @property
+    def files(self) -> tuple[Path, ...]:
+        """The files of the bag so far, the one being written last."""
+        names = [file.name for file in self._records()]
+        return tuple(self.directory / name for name in names)
+
+    @property
+    def counters(self) -> dict[str, Counters]:
+        """Per topic: received, written, dropped."""
+        return {name: account.counters for name, account in self._topics.items()}
+
+    def add_topic(self, name: str, type: str, qos: Qos | None = None) -> None:
+        """Declare the absolute topic `name` of the full type `type`; the same declaration twice is one.
+
+        Raises `LogError` for a relative name, an unknown type, or a second type for the same name.
+        """
+        if not name.startswith("/"):
+            raise LogError(f"The topic {name!r} is relative; a log needs the resolved name, such as '/{name}'.")
+        known = self._topics.get(name)
+        if known is not None:
+            if known.record.type != type:
+                raise LogError(
+                    f"The topic {name} is already logged as {known.record.type}, not {type}; "
+                    f"stop the publisher that uses the wrong type, or record it under another name."
+                )
+            return
+        record = TopicRecord(name, type, schema(type).hash, (qos or Qos(),))
+        self._topics[name] = Account(record)
+        if self._segment is not None:
+            try:
+                self._segment.add_channel(record)
+            except OSError as cause:
+                self._fail(cause)
+
+    def write(self, topic: str, cdr_bytes: bytes, log_time_ns: int, publish_time_ns: int) -> bool:
+        """Append one message; return False if it was dropped because the log has failed before.
+
+        Times are nanoseconds since the epoch of the caller's clock, 0 or greater; log times should not
+        decrease, but may. Raises `LogError` for an undeclared topic or an impossible time (nothing is
+        counted then), and once when the disk refuses.
+        """
+        known = self._topics.get(topic)
+        if known is None:
+            raise LogError(f"The topic {topic!r} is not declared in this log; call add_topic first.")
+        if not (0 <= log_time_ns < LATEST and 0 <= publish_time_ns < LATEST):
+            raise LogError(
+                f"A message on {topic} has log time {log_time_ns} ns and publish time {publish_time_ns} ns; "
+                f"both must lie from 0 to 2^63-1. Check the clock."
+            )
+        sequence = known.received & 0xFFFFFFFF
+        known.received += 1
+        if self._segment is None:
+            known.drop_pending()
+            return False
+        try:
+            if self._news and self._limits.file_full(self._segment.size, self._segment.start_ns, log_time_ns):
+                self._segment = self._split(log_time_ns)
+            self._segment.write(topic, cdr_bytes, log_time_ns, publish_time_ns, sequence)
+            known.accept(cdr_bytes, publish_time_ns, sequence)
+            self._news = self._unsynced = True
+            if self._last_sync is None:
+                self._last_sync = log_time_ns
+            elif self._limits.sync_due(self._last_sync, log_time_ns):
+                self._sync(log_time_ns)
+        except OSError as cause:
+            self._fail(cause)
+        return True
+
+    def sync(self, now_ns: int) -> None:
+        """Bring everything written so far to the disk; a timer calls this while topics are silent.
+
+        Costs next to nothing when nothing is waiting. Raises `LogError` when the disk refuses or the log has
+        been removed.
+        """
+        if self._segment is None:
+            return
+        try:
+            self._sync(now_ns)
+        except OSError as cause:
+            self._fail(cause)
+
+    def split(self, now_ns: int) -> Path | None:
+        """Finish the present file, start the next one and return its path.
+
+        The last messages of transient-local topics are repeated at its start with log time `now_ns`, so that
+        each file can be understood alone. Returns None, and does nothing, when the present file holds no new
+        message or the log has failed. Raises `LogError` when the disk refuses.
+        """
+        if self._segment is None or not self._news:
+            return None
+        try:
+            return self._split(now_ns).path
+        except OSError as cause:
+            self._fail(cause)
+
+    def close(self) -> None:
+        """Finish the bag; a second call, or one after a failure, does nothing. Raises `LogError`."""
+        if self._segment is None:
+            return
+        try:
+            self._finish()
+            self._write_metadata()
+        except OSError as cause:
+            self._fail(cause)
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
+    ) -> None:
+        self.close()
+
+    def _create(self) -> None:
+        try:
+            self.directory.mkdir(parents=True)
+            self._open()
+            self._write_metadata()
+            sync_folder(self.directory.parent)
+        except FileExistsError as cause:
+            raise LogError(
+                f"The log directory {self.directory} exists already; choose another name or move it."
+            ) from cause
+        except OSError as cause:
+            if self._segment is not None:
+                self._segment.abandon()
+            raise LogError(
+                f"The log {self.directory} cannot be created: {reason(cause)}. Choose a folder that can be written to."
+            ) from cause
+
+    def _open(self) -> Segment:
+        path = self.directory / f"{self.directory.name}_{len(self._files)}.mcap"
+        self._segment = Segment(
+            path, chunk_size=self._limits.chunk_size, compression=self._compression, library=self._library
+        )
+        for topic in self._topics.values():
+            self._segment.add_channel(topic.record)
+        self._segment.add_metadata(metadata.RECORD_NAME, self._provenance)
+        self._add_rosbag2_record(self._segment)
+        self._segment.sync()
+        self._news = False
+        return self._segment
+
+    def _split(self, now_ns: int) -> Segment:
+        self._finish()
+        segment = self._open()
+        for name, topic in self._topics.items():
+            for data, publish_ns, sequence in topic.latched or ():
+                # The sequence number stays, so that a reader can tell a repetition from a new message.
+                segment.write(name, data, now_ns, publish_ns, sequence)
+                self._unsynced = True
+        self._write_metadata()
+        self._last_sync = now_ns
+        return segment
+
+    def _finish(self) -> None:
+        """Complete the present file; afterwards there is none."""
+        assert self._segment is not None
+        # First the data alone: if only the summary finds no room, the data is kept.
+        self._check_present(self._segment)
+        self._segment.sync()
+        self._settle()
+        self._add_rosbag2_record(self._segment)
+        self._segment.finish()
+        self._files.append(self._segment.durable)
+        self._segment = None
+
+    def _sync(self, now_ns: int) -> None:
+        assert self._segment is not None
+        self._last_sync = now_ns
+        self._check_present(self._segment)
+        if self._unsynced:
+            self._segment.sync()
+            self._settle()
+            self._write_metadata()
+
+    def _check_present(self, segment: Segment) -> None:
+        if segment.removed:
+            raise FileNotFoundError(errno.ENOENT, "the file has been deleted", str(segment.path))
+
+    def _settle(self) -> None:
+        """Count everything handed over as written: call only when it is durable."""
+        self._unsynced = False
+        for topic in self._topics.values():
+            topic.settle()
+
+    def _records(self) -> list[FileRecord]:
+        """All files of the bag with what is durable in them."""
+        if self._segment is None or not self._segment.usable:
+            return self._files
+        return [*self._files, self._segment.durable]
+
+    def _add_rosbag2_record(self, segment: Segment) -> None:
+        topics = [topic.record for topic in self._topics.values()]
+        text = metadata.serialized(topics, [*self._files, segment.durable], self.custom_data)
+        segment.add_metadata("rosbag2", {"serialized_metadata": text})
+
+    def _write_metadata(self) -> None:
+        topics = [topic.record for topic in self._topics.values()]
+        text = metadata.document(topics, self._records(), self.custom_data)
+        replace_text(self.directory / metadata.FILE_NAME, text)
+
+    def _fail(self, cause: OSError) -> NoReturn:
+        """Cut the bag back to what is durable, close it for good and raise the sentence."""
+        lost = sum(topic.drop_pending() for topic in self._topics.values())
+        self.failure = (
+            f"The log {self.directory} has stopped: {reason(cause)}. {lost} messages since the last sync "
+            f"are lost, and later ones are dropped. Make room or restore the folder, and start a new log."
+        )
+        self.custom_data["failure"] = self.failure
+        if self._segment is not None:
+            self._segment.abandon()
+        self._files = self._records()
+        self._segment = None
+        with suppress(OSError):  # the older metadata.yaml claims less, never more
+            self._write_metadata()
+        raise LogError(self.failure) from cause

@@ -1,0 +1,1 @@
+"""What people see: terminal, figures, report. Data in, picture out."""
