@@ -7,8 +7,8 @@ from typing import NamedTuple
 
 import numpy as np
 
-from .errors import BenchError
-from .profiles import RPM, Profile
+from seat_gear_dynamics.bench.errors import BenchError
+from seat_gear_dynamics.bench.profiles import RPM, Profile
 
 MOTOR_TIME_CONSTANT = 0.08  # s; a small DC gear motor with its controller
 HALL_PULSES_PER_REVOLUTION = 3000  # increments per revolution of s1: ±2 r/min at 100 Hz

@@ -7,7 +7,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from itertools import pairwise
 
-from .errors import BenchError
+from seat_gear_dynamics.bench.errors import BenchError
 
 RPM = 2.0 * math.pi / 60.0  # rad/s per r/min
 Points = tuple[tuple[float, float], ...]

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections import deque
 from typing import NamedTuple
 
-from .metadata import TopicRecord
+from seat_gear_dynamics.logs.metadata import TopicRecord
 
 
 class Counters(NamedTuple):

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass, fields
 
-from .errors import LogError
+from seat_gear_dynamics.logs.errors import LogError
 
 NANOSECONDS = 1_000_000_000
 

@@ -8,7 +8,7 @@ from typing import NamedTuple, TypeAlias
 
 import yaml
 
-from .topics import Qos
+from seat_gear_dynamics.logs.topics import Qos
 
 Node: TypeAlias = "Mapping[str, Node] | Sequence[Node] | str | int | bool | None"
 

@@ -13,13 +13,13 @@ import numpy as np
 import yaml
 from numpy.typing import NDArray
 
-from . import series
-from .container import Block, DamageError, Message, scan
-from .errors import LogError, reason
-from .metadata import FILE_NAME, RECORD_NAME
-from .schemas import Decoder
-from .series import JointSeries, Status
-from .topics import DIAGNOSTIC_STATUS, FLOAT64, JOINT_STATE
+from seat_gear_dynamics.logs import series
+from seat_gear_dynamics.logs.container import Block, DamageError, Message, scan
+from seat_gear_dynamics.logs.errors import LogError, reason
+from seat_gear_dynamics.logs.metadata import FILE_NAME, RECORD_NAME
+from seat_gear_dynamics.logs.schemas import Decoder
+from seat_gear_dynamics.logs.series import JointSeries, Status
+from seat_gear_dynamics.logs.topics import DIAGNOSTIC_STATUS, FLOAT64, JOINT_STATE
 
 
 @dataclass(frozen=True)

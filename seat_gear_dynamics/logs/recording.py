@@ -7,10 +7,10 @@ from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import Literal, NamedTuple
 
-from .counters import Counters
-from .errors import LogError
-from .topics import Qos
-from .writer import BagWriter
+from seat_gear_dynamics.logs.counters import Counters
+from seat_gear_dynamics.logs.errors import LogError
+from seat_gear_dynamics.logs.topics import Qos
+from seat_gear_dynamics.logs.writer import BagWriter
 
 State = Literal["stopped", "recording", "paused", "failed"]
 MakeWriter = Callable[[Path], BagWriter]

@@ -9,7 +9,7 @@ from typing import Any, NamedTuple
 from rosbags.typesys import Stores, TypesysError, get_types_from_msg, get_typestore
 from rosbags.typesys.store import Typestore
 
-from .errors import LogError
+from seat_gear_dynamics.logs.errors import LogError
 
 
 class Schema(NamedTuple):

@@ -11,9 +11,9 @@ from typing import IO, Literal, Protocol, cast
 from mcap.opcode import Opcode
 from mcap.writer import MCAP0_MAGIC, CompressionType, Writer
 
-from .disk import DurableFile
-from .metadata import FileRecord, TopicRecord, offered_qos
-from .schemas import schema
+from seat_gear_dynamics.logs.disk import DurableFile
+from seat_gear_dynamics.logs.metadata import FileRecord, TopicRecord, offered_qos
+from seat_gear_dynamics.logs.schemas import schema
 
 Compression = Literal["zstd", "lz4", "none"]
 COMPRESSIONS: Mapping[str, CompressionType] = {

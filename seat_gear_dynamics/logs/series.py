@@ -10,7 +10,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from .errors import LogError
+from seat_gear_dynamics.logs.errors import LogError
 
 Array = NDArray[np.float64]
 _FLOAT64 = {0: struct.Struct(">4xd"), 1: struct.Struct("<4xd")}  # by the CDR header's byte order

@@ -8,15 +8,15 @@ from pathlib import Path
 from types import TracebackType
 from typing import NoReturn, Self
 
-from . import metadata
-from .counters import Account, Counters
-from .disk import replace_text, sync_folder
-from .errors import LogError, reason
-from .limits import Limits
-from .metadata import FileRecord, TopicRecord
-from .schemas import schema
-from .segment import COMPRESSIONS, Compression, Segment
-from .topics import Qos
+from seat_gear_dynamics.logs import metadata
+from seat_gear_dynamics.logs.counters import Account, Counters
+from seat_gear_dynamics.logs.disk import replace_text, sync_folder
+from seat_gear_dynamics.logs.errors import LogError, reason
+from seat_gear_dynamics.logs.limits import Limits
+from seat_gear_dynamics.logs.metadata import FileRecord, TopicRecord
+from seat_gear_dynamics.logs.schemas import schema
+from seat_gear_dynamics.logs.segment import COMPRESSIONS, Compression, Segment
+from seat_gear_dynamics.logs.topics import Qos
 
 LATEST = 2**63  # log times are signed 64-bit nanoseconds in metadata.yaml
 

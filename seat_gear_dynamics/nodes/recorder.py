@@ -177,6 +177,7 @@ class Recorder(Node):
             "written": sum(c.written for c in counters),
             "dropped": sum(c.dropped for c in counters),
             "came while not recording": recording.not_recorded.total(),
+            **{f"{topic.name} received": recording.received[name] for name, topic in self._types.items()},
         }
         level = Level.ERROR if recording.state == "failed" else Level.OK
         text = recording.failure or recording.state

@@ -5,7 +5,14 @@ from rich.panel import Panel
 from rich.table import Table
 from rich.text import Text
 
-from seat_gear_dynamics.views.colours import BAND, LEVEL_COLOURS, LEVEL_NAMES, LOAD, MESH_COLOURS, SPEED
+from seat_gear_dynamics.views.colours import (
+    BAND,
+    LEVEL_COLOURS,
+    LEVEL_NAMES,
+    TERMINAL_LOAD,
+    TERMINAL_MESHES,
+    TERMINAL_SPEED,
+)
 from seat_gear_dynamics.views.live_state import LiveState
 
 WIDTH = 80
@@ -48,7 +55,10 @@ def _progress(state: LiveState) -> Text:
     filled = round(40 * share)
     left = _clock(max(state.duration - state.elapsed, 0.0))
     return Text.assemble(
-        f"{now} of {_clock(state.duration)}  ", ("━" * filled, SPEED), ("━" * (40 - filled), "grey37"), f"  {left} left"
+        f"{now} of {_clock(state.duration)}  ",
+        ("━" * filled, TERMINAL_SPEED),
+        ("━" * (40 - filled), "grey37"),
+        f"  {left} left",
     )
 
 
@@ -63,13 +73,17 @@ def _speed(state: LiveState) -> Group:
     if state.speed_rpm is not None:
         place = min(int(abs(state.speed_rpm) / covered * _SCALE), _SCALE - 1)
         marker.append(" " * place)
-        marker.append("▼", f"bold {SPEED}")
+        marker.append("▼", f"bold {TERMINAL_SPEED}")
     reading = "–" if state.speed_rpm is None else f"{state.speed_rpm:+.0f} r/min"
     direction = "" if state.speed_rpm is None or state.speed_rpm >= 0 else "  (running backward)"
     edges = "  ".join(f"{low:.0f}-{high:.0f}" for low, high in state.bands_rpm)
     return Group(
         Text.assemble(
-            ("Speed s1    ", "bold"), (reading, f"bold {SPEED}"), direction, ("   forbidden ", "dim"), (edges, BAND)
+            ("Speed s1    ", "bold"),
+            (reading, f"bold {TERMINAL_SPEED}"),
+            direction,
+            ("   forbidden ", "dim"),
+            (edges, BAND),
         ),
         marker,
         Text.assemble(" " * 12, scale),
@@ -100,9 +114,9 @@ def _load(state: LiveState) -> Text:
     reading = "–" if state.load is None else f"{state.load:.0f} N·m"
     return Text.assemble(
         ("Load T4     ", "bold"),
-        ("█" * filled, LOAD),
+        ("█" * filled, TERMINAL_LOAD),
         ("─" * (44 - filled), "grey37"),
-        (f"  {reading}", f"bold {LOAD}"),
+        (f"  {reading}", f"bold {TERMINAL_LOAD}"),
     )
 
 
@@ -116,7 +130,7 @@ def _forces(state: LiveState) -> Table:
         s = state.meshes.get(mesh)
         values = ["–"] * 4 if s is None else [f"{v:.0f} N" for v in (s.mean, s.min, s.max, s.rms)]
         note = f"load scale {state.load_scale:g}" if row == 0 else ""
-        table.add_row(Text(mesh, MESH_COLOURS[row]), *values, note)
+        table.add_row(Text(mesh, TERMINAL_MESHES[row]), *values, note)
     return table
 
 

@@ -20,9 +20,9 @@ Axes = Any  # matplotlib ships no types for what is used here
 
 def write_report(run: Run, bands: Sequence[ForbiddenBand], path: Path, *, load_scale: float) -> None:
     """Draw `run` to a PNG file at `path`; raises OSError where it cannot be written."""
-    figure = Figure(figsize=(11, 9.5), layout="constrained")
+    figure = Figure(figsize=(13, 9.5), layout="constrained")
     FigureCanvasAgg(figure)
-    left, right = figure.subfigures(1, 2, width_ratios=(2.1, 1))
+    left, right = figure.subfigures(1, 2, width_ratios=(1.75, 1))
     speed, load, first, second = left.subplots(4, 1, sharex=True, height_ratios=(2, 1, 1.5, 1.5))
     _draw_speed(speed, run, bands)
     _draw_load(load, run)
@@ -113,7 +113,7 @@ def _draw_section(axes: Axes, run: Run) -> None:
 def _draw_words(axes: Axes, run: Run) -> None:
     axes.axis("off")
     axes.text(
-        0.0, 1.0, "\n".join(summary_lines(run)), va="top", fontsize=8.5, family="monospace", transform=axes.transAxes
+        0.0, 1.0, "\n".join(summary_lines(run)), va="top", fontsize=8, family="monospace", transform=axes.transAxes
     )
 
 

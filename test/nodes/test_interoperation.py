@@ -1,0 +1,69 @@
+"""The monitor among programs that are not this project's: plain DDS on the wire, and a bag that rosbag2 recorded."""
+
+import json
+from pathlib import Path
+
+import numpy as np
+from harness import Peer, Processes
+
+from seat_gear_dynamics.logs.reader import Bag
+
+BAG = Path(__file__).parents[2] / "bags" / "third_party_bench"
+OK, WARN, ERROR, STALE = range(4)
+
+
+def test_a_program_of_plain_cyclonedds_sees_warn_before_and_error_inside_a_band(
+    processes: Processes, domain_id: int
+) -> None:
+    processes.node("monitor")
+    bench = processes.start(str(Path(__file__).with_name("plain_dds_bench.py")), str(domain_id))
+    assert bench.wait(120) == 0, processes.words(bench)
+    found = json.loads(processes.words(bench).splitlines()[-1])
+    levels = [level for _, level in found["warnings"]]
+    assert WARN in levels
+    assert ERROR in levels
+    assert levels.index(WARN) < levels.index(ERROR)
+    at_warn = found["warnings"][levels.index(WARN)][0]
+    at_error = found["warnings"][levels.index(ERROR)][0]
+    assert 1200 < at_warn < 1349 <= at_error + 1.0
+    assert set(levels[levels.index(ERROR) :]) == {ERROR}, "the dwell inside the band stays an error"
+    assert found["names"] == [f"{mesh}/{s}" for mesh in ("s1_s2", "s3_s4") for s in ("mean", "min", "max", "rms")]
+    assert np.isfinite([found["smallest"], found["largest"]]).all()
+    assert found["largest"] > 0
+
+
+def test_a_bag_recorded_by_rosbag2_gives_forces_warnings_and_a_log(
+    processes: Processes, peer: Peer, tmp_path: Path
+) -> None:
+    log = tmp_path / "log"
+    recorder = processes.node("recorder", output=log)
+    monitor = processes.node("monitor")
+    peer.wait(lambda: bool(peer.warnings()), "the monitor's first warning")
+    player = processes.start(str(Path(__file__).with_name("play_bag.py")), str(BAG))
+    peer.wait(lambda: player.poll() is not None, "the end of the bag", patience=150)
+    assert player.returncode == 0, processes.words(player)
+    assert processes.end(monitor) == 0
+    assert processes.end(recorder) == 0
+
+    bag = Bag(log)
+    assert bag.closed
+    assert bag.damage is None
+    time, speed = bag.scalars("motor/speed")
+    sent = Bag(BAG).scalars("motor/speed")[1]
+    assert len(speed) >= 0.99 * len(sent)
+    fed = bag.topics["/gear_monitor/input"].count
+    assert fed >= 0.99 * len(speed)
+    forces = bag.joint("gear_monitor/mesh_force")
+    assert np.isfinite(forces.effort["s1_s2/mean"]).all()
+    rpm = np.abs(speed) * 60 / (2 * np.pi)
+    statuses = bag.statuses("gear_monitor/chaos_warning")
+    at = np.array([s.time for s in statuses])
+    level = np.array([s.level for s in statuses])
+    now = np.interp(at, time, rpm)
+    deep = (now > 1700) & (now < 1950) & (at > time[0]) & (at < time[-1])
+    assert deep.sum() > 50
+    assert (level[deep] == ERROR).mean() > 0.98
+    creeping = (now > 1320) & (now < 1345) & (at > time[0]) & (at < time[-1])
+    assert np.isin(level[creeping], (WARN, ERROR)).mean() > 0.9
+    beyond = (now > 2125) & (at > time[0]) & (at < time[-1])
+    assert STALE in level[beyond], "no band is known beyond the studied range"
