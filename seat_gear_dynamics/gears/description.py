@@ -3,8 +3,9 @@
 import re
 from collections.abc import Mapping, Sequence
 from itertools import pairwise
-from math import isfinite
+from math import hypot, isfinite
 from pathlib import Path
+from sys import float_info
 from typing import Any
 
 import yaml
@@ -22,6 +23,7 @@ from seat_gear_dynamics.gears.schema import (
     SECTIONS,
     Key,
 )
+from seat_gear_dynamics.gears.tooth import contact_ratio, path_of_contact
 from seat_gear_dynamics.gears.train import ForbiddenBand, Gear, GearTrain, Mesh, Model, Provenance
 from seat_gear_dynamics.gears.units import si_unit, to_si
 
@@ -37,7 +39,8 @@ def packaged_description() -> Path:
         if (place / "height_adjuster.yaml").is_file():
             return place / "height_adjuster.yaml"
     raise DescriptionError(
-        f"The packaged description height_adjuster.yaml is in neither {places[0]} nor {places[1]}: reinstall the package."
+        f"The packaged description height_adjuster.yaml is in neither {places[0]} nor {places[1]}: "
+        "reinstall the package."
     )
 
 
@@ -63,7 +66,9 @@ def parse_train(text: str) -> GearTrain:
     """Return the gear train that YAML `text` describes; raises DescriptionError as `load_train` does."""
     try:
         document = yaml.load(text, Loader=_NoDuplicates)
-    except yaml.YAMLError as error:
+    except DescriptionError:
+        raise
+    except (yaml.YAMLError, ValueError, TypeError, RecursionError) as error:  # PyYAML lets its constructors' errors out
         raise DescriptionError(f"not valid YAML ({' '.join(str(error).split())}); correct the syntax.") from error
     top = _mapping("the document", document)
     _exact_keys("the document", top, SECTIONS)
@@ -124,6 +129,7 @@ class _Reader:
             )
         self.provenance[where] = Provenance(entry["provenance"], str(entry["source"]))
         value, unit = entry["value"], entry["unit"]
+        to_si(where, 0.0, unit, key.dimension)  # flags and empty lists have a unit too
         if key.kind == "flag":
             if not isinstance(value, bool):
                 raise DescriptionError(f"{where}: found {value!r}, expected true or false; correct the value.")
@@ -141,12 +147,12 @@ class _Reader:
 def _number(where: str, value: object, unit: object, key: Key) -> float:
     expected = key.expectation(si_unit(key.dimension))
     is_number = isinstance(value, int | float) and not isinstance(value, bool)
-    if not is_number or not isfinite(float(value)):  # type: ignore[arg-type]
+    if not is_number or not abs(value) <= float_info.max:  # type: ignore[arg-type]
         raise DescriptionError(f"{where}: found {value!r}, expected {expected}; correct the value.")
     number = to_si(where, float(value), unit, key.dimension)  # type: ignore[arg-type]
     whole = key.kind != "integer" or number == int(number)
     above = number >= key.low if key.includes_low else number > key.low
-    if not (whole and above and number <= key.high):
+    if not (isfinite(number) and whole and above and number <= key.high):
         raise DescriptionError(f"{where}: found {value!r} {unit}, expected {expected}; correct the value.")
     return number
 
@@ -182,11 +188,32 @@ def _mesh(reader: _Reader, name: str, raw: object, gears: Mapping[str, Gear]) ->
             f"(pressure angles {driver.pressure_angle:g} and {driven.pressure_angle:g} rad); "
             f"expected the same, or they do not mesh."
         )
+    _check_contact(name, driver, driven)
     harmonics = tuple(
         TransmissionErrorHarmonic(order, amplitude, phase)
         for order, (amplitude, phase) in enumerate(zip(amplitudes, phases, strict=True), start=1)
     )
     return Mesh(name=name, driver=driver, driven=driven, error_harmonics=harmonics, **values)
+
+
+def _check_contact(name: str, driver: Gear, driven: Gear) -> None:
+    """Refuse a pair that involutes cannot drive: contact off the flanks, or fewer than one or more than two pairs."""
+    first, second = driver.tooth, driven.tooth
+    for gear, own, other in ((driver, first, second), (driven, second, first)):
+        start, _ = path_of_contact(own, other)  # the same from either side, seen from `own`
+        if start < 0 or hypot(own.base_radius, start) < own.root_radius:
+            lowest = own.base_radius if start < 0 else own.root_radius
+            raise DescriptionError(
+                f"gears.{gear.name}.tooth_height: found {gear.tooth_height:.6g} m on {gear.teeth} teeth, "
+                f"but contact in {name} reaches below the involute, which starts at radius {lowest:.6g} m; "
+                f"expected a flank as deep as the contact, with enough teeth not to interfere."
+            )
+    ratio = contact_ratio(first, second)
+    if not 1 <= ratio < 2:
+        raise DescriptionError(
+            f"meshes.{name}: the contact ratio of {driver.name} and {driven.name} is {ratio:.3f}, "
+            f"expected 1 to 2, which the stiffness model covers; change teeth or pressure angle."
+        )
 
 
 def _bands(reader: _Reader, raw: object) -> tuple[ForbiddenBand, ...]:

@@ -56,6 +56,8 @@ def mesh_stiffness(driver: Tooth, driven: Tooth, *, foundation: bool = True) -> 
     values = np.array([_pair_stiffness(driver, driven, start + p * pitch, foundation) for p in phase])
     for i in np.flatnonzero(phase < ratio - 1):
         values[i] += _pair_stiffness(driver, driven, start + (phase[i] + 1) * pitch, foundation)
+    for shared in (phase, values):  # every caller gets the same arrays from the cache
+        shared.setflags(write=False)
     return MeshStiffness(phase, values, ratio)
 
 

@@ -80,18 +80,22 @@ def coefficients(train: GearTrain) -> Coefficients:
 def static_state(train: GearTrain, load: float) -> Array:
     """Return the state, (24,), at rest under `load` (T4, N·m) with every mesh at its mean stiffness and no error.
 
-    At zero load the teeth rest in the middle of the backlash. Solves the linear balance on the loaded flank exactly.
+    At zero load the teeth rest in the middle of the backlash, and near it under a load that torsional supports carry
+    before the backlash closes. Solves the linear balance exactly, on the loaded flank or free of it.
     """
     c = coefficients(train)
     state = np.zeros(2 * COORDINATES)
-    side = float(np.sign(load))
     mean = train.meshes[0].mean_model_stiffness
     for j, mesh in enumerate(train.meshes):
         own = slice(PER_MESH * j, PER_MESH * (j + 1))
-        kappa = mesh.mean_model_stiffness / mean
-        matrix = np.diag(c.stiffness[own]) + kappa * np.outer(c.reaction[own], c.direction[own])
-        right = load * c.drive[own] + kappa * side * c.half_backlash[j] * c.reaction[own]
-        state[own] = np.linalg.lstsq(matrix, right, rcond=None)[0] if side else 0.0
+        stiffness, w, push, half = c.stiffness[own], c.direction[own], load * c.drive[own], c.half_backlash[j]
+        free = np.divide(push, stiffness, out=np.zeros(PER_MESH), where=stiffness > 0)
+        if np.all(stiffness[push != 0] > 0) and abs(w @ free) <= half:  # the supports alone carry so small a load
+            state[own] = free
+            continue
+        reaction = mesh.mean_model_stiffness / mean * c.reaction[own]
+        right = push + np.sign(load) * half * reaction
+        state[own] = np.linalg.lstsq(np.diag(stiffness) + np.outer(reaction, w), right, rcond=None)[0]
     return state
 
 

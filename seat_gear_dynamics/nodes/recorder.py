@@ -61,7 +61,7 @@ class Recorder(Node):
         self.create_timer(_ADAPT_PERIOD, self._on_adapt)
         self.create_timer(1.0, self._on_diagnostics)
         if self._settings["autostart"]:
-            self.get_logger().info(f"recording to {self._begin_log()}")
+            self.get_logger().info(f"recording to {self._start()}")
         self._on_diagnostics()
 
     def close(self) -> None:
@@ -93,7 +93,7 @@ class Recorder(Node):
         declared = {name: (topic.type, topic.qos) for name, topic in self._types.items()}
         return Recording(Path(output).absolute(), make_writer, declared, ring_seconds=get("snapshot_seconds"))
 
-    def _begin_log(self) -> Path:
+    def _start(self) -> Path:
         try:
             return self._recording.start()
         except LogError as error:

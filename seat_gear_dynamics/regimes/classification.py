@@ -60,6 +60,8 @@ def classify(section: Array, growth: Array, interval: float, *, tolerance: float
     n = len(section)
     if n < SHORTEST_RECORD:
         return undecided(f"{n} section points, {SHORTEST_RECORD} needed")
+    if not (np.isfinite(section).all() and np.isfinite(growth).all()):
+        return undecided("the record holds numbers that are not finite")
     exponent = largest_exponent(growth, interval)
     value, error = exponent.value, exponent.error
     period = find_period(section, tolerance=tolerance)

@@ -122,19 +122,21 @@ class Alarm:
         """Return the |speed| nearest to `magnitude`, rad/s, outside every band by the margin; None if there is none."""
         margin = self.settings.margin
         blocked = [(band.low - margin, band.high + margin) for band in self.bands]
-        candidates = [magnitude, *(edge for pair in blocked for edge in pair)]
+        candidates = [magnitude, self.covered_speed, *(edge for pair in blocked for edge in pair)]
         calm = [
             c for c in candidates if 0 <= c <= self.covered_speed and not any(low < c < high for low, high in blocked)
         ]
         return min(calm, key=lambda c: abs(c - magnitude), default=None)
 
     def acceleration(self) -> float:
-        """Return the least-squares slope of |speed| over the slope window, rad/s²; 0 while it has too few samples."""
+        """Return the least-squares slope of |speed| over the slope window, rad/s²; 0 while it has too few samples or they
+        are all of one time."""
         if len(self._speeds) < 3:
             return 0.0
         t, s = np.array(self._speeds).T
         spread = t - t.mean()
-        return float(spread @ s / (spread @ spread))
+        square = float(spread @ spread)
+        return float(spread @ s) / square if square > 0 else 0.0
 
     def _time_to_band(self, magnitude: float) -> float | None:
         if any(band.low <= magnitude <= band.high for band in self.bands):

@@ -1,0 +1,8 @@
+"""Topic names."""
+
+from seat_gear_dynamics.runtime.absent import missing_from
+from seat_gear_dynamics.runtime.names import validate_topic_name
+
+__all__ = ["validate_topic_name"]
+
+__getattr__ = missing_from(__name__)

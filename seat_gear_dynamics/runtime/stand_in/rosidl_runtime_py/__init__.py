@@ -1,0 +1,1 @@
+"""Interface types by name."""
