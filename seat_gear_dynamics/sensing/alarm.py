@@ -90,8 +90,8 @@ class Alarm:
         self._speeds: deque[tuple[float, float]] = deque()
         self._inside: ForbiddenBand | None = None
         self._near = False
-        self._shown: tuple[Level, bool] | None = None
-        self._pending: tuple[tuple[Level, bool], float] | None = None
+        # One latch for the trip signal and one for each severity above the least: that it is at least so bad.
+        self._tripped, *self._at_least = (_Latch(self.settings) for _ in Level)
 
     def update(self, t: float, speed: float, load: float, regime: Regime) -> Verdict:
         """Return the verdict at time `t` (s) for `speed` (rad/s of s1), `load` (N·m) and the motion's `regime`."""
@@ -104,8 +104,9 @@ class Alarm:
         ahead = self._time_to_band(magnitude)
         self._track(magnitude)
         level, reason = self._judge(magnitude, load, ahead, regime)
-        level, in_band = self._steady(t, level, self._inside is not None)
-        if self._pending is not None:
+        found, level = level, self._steady(t, level)
+        in_band = self._tripped.update(t, self._inside is not None)
+        if (found, self._inside is not None) != (level, in_band):
             reason = f"{reason} (holding {level.name})"
         band = self._inside or self._nearest(magnitude)
         distance = _distance(band, magnitude) if band else None
@@ -129,14 +130,13 @@ class Alarm:
         return min(calm, key=lambda c: abs(c - magnitude), default=None)
 
     def acceleration(self) -> float:
-        """Return the least-squares slope of |speed| over the slope window, rad/s²; 0 while it has too few samples or they
-        are all of one time."""
+        """Return the least-squares slope of |speed| over the slope window, rad/s²; 0 while it cannot be known."""
         if len(self._speeds) < 3:
             return 0.0
         t, s = np.array(self._speeds).T
         spread = t - t.mean()
         square = float(spread @ spread)
-        return float(spread @ s) / square if square > 0 else 0.0
+        return float(spread @ (s - s[0])) / square if square > 0 else 0.0  # a steady speed gives 0 without rounding
 
     def _time_to_band(self, magnitude: float) -> float | None:
         if any(band.low <= magnitude <= band.high for band in self.bands):
@@ -187,17 +187,33 @@ class Alarm:
             return Level.WARN, f"evidence of chaos is building: {regime.reason}"
         return Level.OK, f"{rpm:.0f} r/min is clear of the forbidden bands"
 
-    def _steady(self, t: float, level: Level, in_band: bool) -> tuple[Level, bool]:
-        """Show a change only once it has lasted: `debounce` for worse, `hold` for better."""
-        found = (level, in_band)
+    def _steady(self, t: float, level: Level) -> Level:
+        """Return the level to show: changed only once it has been worse for `debounce` or better for `hold`.
+
+        Each severity has its own latch, so that levels which alternate cannot keep each other from being shown.
+        """
+        severity = _severity(level)
+        shown = [latch.update(t, severity > rank) for rank, latch in enumerate(self._at_least)]
+        return next(each for each in Level if _severity(each) == sum(shown))
+
+
+class _Latch:
+    """A statement that is shown as true once it held for `debounce`, and as false once it did not for `hold`."""
+
+    def __init__(self, settings: AlarmSettings) -> None:
+        self._settings = settings
+        self._shown: bool | None = None
+        self._since: float | None = None
+
+    def update(self, t: float, found: bool) -> bool:
+        """Return what to show at time `t` (s) of a statement found true or false; the first is shown at once."""
         if self._shown is None or found == self._shown:
-            self._shown, self._pending = found, None
+            self._shown, self._since = found, None
             return found
-        if self._pending is None or self._pending[0] != found:
-            self._pending = (found, t)
-        worse = _severity(level) > _severity(self._shown[0]) or (in_band and not self._shown[1])
-        if t - self._pending[1] >= (self.settings.debounce if worse else self.settings.hold):
-            self._shown, self._pending = found, None
+        if self._since is None:
+            self._since = t
+        if t - self._since >= (self._settings.debounce if found else self._settings.hold):
+            self._shown, self._since = found, None
         return self._shown
 
 

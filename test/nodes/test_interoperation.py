@@ -9,7 +9,7 @@ from harness import Peer, Processes
 from seat_gear_dynamics.logs.reader import Bag
 
 BAG = Path(__file__).parents[2] / "bags" / "third_party_bench"
-OK, WARN, ERROR, STALE = range(4)
+OK, WARN, ERROR = range(3)
 
 
 def test_a_program_of_plain_cyclonedds_sees_warn_before_and_error_inside_a_band(
@@ -66,4 +66,7 @@ def test_a_bag_recorded_by_rosbag2_gives_forces_warnings_and_a_log(
     creeping = (now > 1320) & (now < 1345) & (at > time[0]) & (at < time[-1])
     assert np.isin(level[creeping], (WARN, ERROR)).mean() > 0.9
     beyond = (now > 2125) & (at > time[0]) & (at < time[-1])
-    assert STALE in level[beyond], "no band is known beyond the studied range"
+    texts = [s.message for s, there in zip(statuses, beyond, strict=True) if there]
+    # No band is known beyond the studied range; only the running model may still find the motion chaotic there.
+    assert texts
+    assert all("beyond the studied range" in text or "chaotic" in text or "holding" in text for text in texts)

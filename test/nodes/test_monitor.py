@@ -138,7 +138,7 @@ def test_reset_is_a_service(processes: Processes, peer: Peer) -> None:
 def test_it_ends_cleanly_on(processes: Processes, peer: Peer, number: signal.Signals) -> None:
     monitor = processes.node("monitor")
     peer.wait(lambda: bool(peer.warnings()), "the monitor")
-    assert processes.end(monitor, number) == 0
+    assert processes.end(monitor, number) == 0, processes.words(monitor)
     assert "Traceback" not in processes.words(monitor)
 
 

@@ -1,0 +1,193 @@
+"""Classifying systems whose regime is known from the literature."""
+
+from math import cos, log, pi
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from numpy.typing import NDArray
+
+from seat_gear_dynamics.regimes import Regime, classify
+
+Array = NDArray[np.float64]
+
+
+def henon(points: int, a: float = 1.4, b: float = 0.3) -> tuple[Array, Array]:
+    """Iterate the Hénon map and its tangent; return section and growth."""
+    x, y, tangent = 0.1, 0.1, np.array([1.0, 0.0])
+    section, growth = [], []
+    for n in range(points + 200):
+        tangent = np.array([[-2 * a * x, 1.0], [b, 0.0]]) @ tangent
+        norm = float(np.linalg.norm(tangent))
+        tangent /= norm
+        x, y = 1 - a * x * x + y, b * x
+        if n >= 200:
+            section.append((x, y))
+            growth.append(log(norm))
+    return np.array(section), np.array(growth)
+
+
+def logistic(points: int, r: float) -> tuple[Array, Array]:
+    """Iterate x → r·x(1 − x); return section (x and the next x) and growth."""
+    x, section, growth = 0.3123, [], []
+    for n in range(points + 500):
+        slope = abs(r * (1 - 2 * x))
+        following = r * x * (1 - x)
+        if n >= 500:
+            section.append((x, following))
+            growth.append(log(max(slope, 1e-12)))
+        x = following
+    return np.array(section), np.array(growth)
+
+
+def rotation(points: int, turns: float = (5**0.5 - 1) / 2, radius: float = 1.0) -> tuple[Array, Array]:
+    angle = 2 * pi * turns * np.arange(points)
+    return radius * np.column_stack([np.cos(angle), np.sin(angle)]), np.zeros(points)
+
+
+def spiral(points: int, decay: float) -> tuple[Array, Array]:
+    """A fixed point approached by a decaying rotation; both section and tangent shrink by exp(−decay) a period."""
+    section, _ = rotation(points)
+    return section * np.exp(-decay * np.arange(points))[:, None], np.full(points, -decay)
+
+
+def test_henon_map_is_chaotic_with_the_published_exponent() -> None:
+    # 0.41922 per iteration (Sprott 2003, Chaos and Time-Series Analysis).
+    regime = classify(*henon(4000), 1.0)
+    assert (regime.name, regime.period) == ("chaotic", None)
+    assert regime.lyapunov == pytest.approx(0.41922, abs=0.02)
+
+
+@pytest.mark.parametrize("interval", [0.5, 12.0])
+def test_exponent_is_per_unit_of_time_and_not_per_period(interval: float) -> None:
+    regime = classify(*henon(4000), interval)
+    assert regime.lyapunov == pytest.approx(0.41922 / interval, rel=0.05)
+
+
+def test_logistic_map_at_four_is_chaotic_with_ln_2() -> None:
+    regime = classify(*logistic(2000, 4.0), 1.0)
+    assert regime.name == "chaotic"
+    assert regime.lyapunov == pytest.approx(log(2), abs=0.03)
+
+
+@pytest.mark.parametrize(("r", "period"), [(2.8, 1), (3.2, 2), (3.5, 4), (3.55, 8), (3.83, 3), (3.63, 6), (3.74, 5)])
+def test_windows_of_the_logistic_map_have_their_published_periods_and_negative_exponents(r: float, period: int) -> None:
+    regime = classify(*logistic(400, r), 1.0)
+    assert (regime.name, regime.period) == ("periodic", period)
+    assert regime.lyapunov is not None
+    assert regime.lyapunov < 0
+
+
+def test_rotation_by_an_irrational_angle_is_quasi_periodic() -> None:
+    regime = classify(*rotation(400), 1.0)
+    assert (regime.name, regime.period) == ("quasi-periodic", None)
+    assert regime.lyapunov == 0
+
+
+@given(st.integers(1, 16))
+def test_rotation_by_a_fraction_of_a_turn_is_periodic(parts: int) -> None:
+    regime = classify(*rotation(100, 1 / parts), 1.0)
+    assert (regime.name, regime.period) == ("periodic", parts)
+
+
+def test_a_fixed_point_is_periodic_with_period_one() -> None:
+    regime = classify(np.ones((60, 2)), np.full(60, -0.1), 1.0)
+    assert (regime.name, regime.period) == ("periodic", 1)
+    assert regime.lyapunov == pytest.approx(-0.1)
+
+
+def test_a_spiral_is_undecided_while_it_settles_and_periodic_after() -> None:
+    section, growth = spiral(800, 0.02)
+    early = classify(section[:100], growth[:100], 20.0)
+    assert early.name == "undecided"
+    assert "still settling" in early.reason
+    late = classify(section[400:], growth[400:], 20.0)
+    assert (late.name, late.period) == ("periodic", 1)
+
+
+@settings(max_examples=30)
+@given(st.floats(0.005, 0.5), st.floats(1.0, 20.0))
+def test_a_settling_spiral_is_never_taken_for_irregular_motion(decay: float, interval: float) -> None:
+    assert classify(*spiral(200, decay), interval).name in ("undecided", "periodic")
+
+
+@pytest.mark.parametrize("points", [0, 1, 15, 47])
+def test_a_record_too_short_is_undecided_and_says_how_short(points: int) -> None:
+    regime = classify(np.zeros((points, 2)), np.zeros(points), 1.0)
+    assert regime == Regime("undecided", None, None, None, f"{points} section points, 48 needed")
+
+
+@pytest.mark.parametrize("value", [float("nan"), float("inf")])
+@pytest.mark.parametrize("where", ["section", "growth", "everything"])
+def test_numbers_that_are_not_finite_are_undecided_and_never_an_exponent(value: float, where: str) -> None:
+    section, growth = henon(400)
+    if where != "growth":
+        section[200 if where == "section" else slice(None)] = value
+    if where != "section":
+        growth[200 if where == "growth" else slice(None)] = value
+    regime = classify(section, growth, 1.0)
+    assert (regime.name, regime.period, regime.lyapunov, regime.lyapunov_error) == ("undecided", None, None, None)
+    assert "not finite" in regime.reason
+
+
+def test_random_points_with_an_unsure_exponent_are_undecided() -> None:
+    rng = np.random.default_rng(1)
+    regime = classify(rng.normal(size=(64, 2)), rng.normal(0.05, 1.0, 64), 1.0)
+    assert regime.name == "undecided"
+    assert regime.lyapunov is not None
+    assert "more time needed" in regime.reason
+
+
+def test_evidence_of_chaos_is_said_to_build_before_it_is_sure() -> None:
+    # An exponent of two standard errors: not sure, but leaning. The same, negative or sure, does not lean.
+    growth = np.repeat([0.1, 0.9, -0.3, 0.8, -0.2, 0.7, 0.5, -0.1], 8)
+    section = np.random.default_rng(2).normal(size=(64, 2))
+    assert classify(section, growth, 1.0).leans_chaotic
+    assert not classify(section, -growth, 1.0).leans_chaotic
+    assert not classify(section, np.full(64, 0.4), 1.0).leans_chaotic
+    assert classify(section, np.full(64, 0.4), 1.0).name == "chaotic"
+
+
+def test_the_tolerance_decides_how_exact_a_recurrence_must_be() -> None:
+    section = np.random.default_rng(3).normal(0, 0.005, (100, 2))
+    growth = np.full(100, -0.1)
+    assert classify(section, growth, 1.0, tolerance=0.1).name == "periodic"
+    assert classify(section, growth, 1.0).name == "undecided"
+
+
+def duffing(forcing: float, points: int) -> tuple[Array, Array]:
+    """March x″ + 0.3x′ − x + x³ = forcing·cos(1.2t) with its tangent by Runge-Kutta, 100 steps a period."""
+
+    def rates(t: float, s: Array) -> Array:
+        x, v, a, b = s
+        return np.array([v, forcing * cos(1.2 * t) - 0.3 * v + x - x**3, b, (1 - 3 * x * x) * a - 0.3 * b])
+
+    state, h, section, growth = np.array([1.0, 0.0, 1.0, 0.0]), 2 * pi / 1.2 / 100, [], []
+    for period in range(points + 60):
+        for step in range(100):
+            t = (100 * period + step) * h
+            k1 = rates(t, state)
+            k2 = rates(t + h / 2, state + h / 2 * k1)
+            k3 = rates(t + h / 2, state + h / 2 * k2)
+            k4 = rates(t + h, state + h * k3)
+            state = state + h / 6 * (k1 + 2 * k2 + 2 * k3 + k4)
+        norm = float(np.hypot(state[2], state[3]))
+        state[2:] /= norm
+        if period >= 60:
+            section.append(state[:2].copy())
+            growth.append(log(norm))
+    return np.array(section), np.array(growth)
+
+
+@pytest.mark.parametrize(
+    ("forcing", "name", "period"), [(0.20, "periodic", 1), (0.28, "periodic", 2), (0.50, "chaotic", None)]
+)
+def test_duffings_oscillator_takes_the_published_road_to_chaos(forcing: float, name: str, period: int | None) -> None:
+    # α = −1, β = 1, δ = 0.3, ω = 1.2: Jordan & Smith 2007, Nonlinear Ordinary Differential Equations.
+    section, growth = duffing(forcing, 120)
+    regime = classify(section, growth, 2 * pi / 1.2)
+    assert (regime.name, regime.period) == (name, period)
+    # Volume shrinks by exp(−0.3·period), so no exponent of a periodic motion is below −0.3.
+    assert regime.lyapunov is not None
+    assert -0.3 < regime.lyapunov < 1
