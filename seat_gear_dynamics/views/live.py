@@ -93,7 +93,7 @@ def _speed(state: LiveState) -> Group:
 
 def _history(state: LiveState) -> Text:
     """The last minute of |speed| as a sparkline, each column in its warning level's colour."""
-    line = Text("last minute ", "dim")
+    line = Text.assemble(("last minute ", "dim"))
     recent = [entry for entry in state.history if entry[0] > state.elapsed - 60]
     for column in range(_SCALE):
         begin = state.elapsed - 60 + 60 * column / _SCALE
