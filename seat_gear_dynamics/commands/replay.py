@@ -6,7 +6,9 @@ from pathlib import Path
 
 from seat_gear_dynamics.commands.texts import Texts
 
-TEXTS = {"replay": Texts("the monitor's forces again from a log's inputs, compared bit for bit", "seat-gear replay my_run")}
+TEXTS = {
+    "replay": Texts("the monitor's forces again from a log's inputs, compared bit for bit", "seat-gear replay my_run")
+}
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -29,7 +31,9 @@ def run(arguments: argparse.Namespace) -> int:
     if arguments.json:
         print(json.dumps(asdict(result)))
     else:
-        print(f"{result.samples} samples replayed, {result.equal} of {result.messages} force messages equal bit for bit")
+        print(
+            f"{result.samples} samples replayed, {result.equal} of {result.messages} force messages equal bit for bit"
+        )
         if result.first_difference:
             print(f"first difference: {result.first_difference}")
     return 0 if result.equal == result.messages else 1

@@ -37,7 +37,7 @@ class TopicEndpointInfo:
         self.topic_type_hash: str = kwargs.get("topic_type_hash", "")
         self.endpoint_type: TopicEndpointTypeEnum = kwargs.get("endpoint_type", TopicEndpointTypeEnum.INVALID)
         self.endpoint_gid: list[int] = kwargs.get("endpoint_gid", [])
-        self.qos_profile: QoSProfile | None = kwargs.get("qos_profile")
+        self.qos_profile: QoSProfile = kwargs.get("qos_profile") or QoSProfile(depth=0)
 
     def __repr__(self) -> str:
         return f"TopicEndpointInfo({', '.join(f'{k}={v!r}' for k, v in vars(self).items())})"

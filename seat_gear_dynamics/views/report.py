@@ -22,7 +22,8 @@ def write_report(run: Run, bands: Sequence[ForbiddenBand], path: Path, *, load_s
     """Draw `run` to a PNG file at `path`; raises OSError where it cannot be written."""
     figure = Figure(figsize=(13, 9.5), layout="constrained")
     FigureCanvasAgg(figure)
-    left, right = figure.subfigures(1, 2, width_ratios=(1.75, 1))
+    parts: Axes = figure.subfigures(1, 2, width_ratios=(1.75, 1))
+    left, right = parts
     speed, load, first, second = left.subplots(4, 1, sharex=True, height_ratios=(2, 1, 1.5, 1.5))
     _draw_speed(speed, run, bands)
     _draw_load(load, run)

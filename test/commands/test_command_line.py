@@ -34,9 +34,10 @@ def test_every_command_has_help_with_an_example_of_itself(command: str, capsys: 
 
 
 def test_help_loads_nothing_heavy() -> None:
+    heavy = ("numpy", "scipy", "numba", "rich", "matplotlib", "cyclonedds", "mcap")
     code = (
-        "import sys\nfrom seat_gear_dynamics.commands import _parser\n_parser()\n"
-        "print([m for m in ('numpy', 'scipy', 'numba', 'rich', 'matplotlib', 'cyclonedds', 'mcap') if m in sys.modules])"
+        "import sys; from seat_gear_dynamics.commands import _parser; _parser();"
+        f"print([m for m in {heavy!r} if m in sys.modules])"
     )
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
     assert done.stdout.strip() == "[]"

@@ -8,6 +8,7 @@ import sys
 from dataclasses import dataclass
 from math import pi
 from time import monotonic, sleep
+from typing import Any
 
 from cyclonedds.domain import Domain, DomainParticipant
 from cyclonedds.idl import IdlStruct
@@ -97,7 +98,8 @@ def main(domain: int) -> None:
         speed.write(Float64(rpm * 2 * pi / 60))
         statuses = [s for s in warnings.take(100) if not isinstance(s, InvalidSample)]
         heard += [(rpm, status.level) for status in statuses]
-        for message in forces.take(100):
+        taken: list[Any] = forces.take(100)
+        for message in taken:
             if not isinstance(message, InvalidSample):
                 names = list(message.name)
                 smallest, largest = min(smallest, *message.effort), max(largest, *message.effort)
