@@ -11,6 +11,7 @@ import json
 from collections.abc import Callable
 from math import pi
 from time import perf_counter
+from typing import Any
 
 import numpy as np
 from numba import njit
@@ -30,7 +31,7 @@ def _multiply_add(count: int) -> float:
     return x
 
 
-multiply_add: Callable[[int], float] = njit(_multiply_add)
+multiply_add: Any = njit(_multiply_add)
 
 
 def best_of(action: Callable[[], object], repeats: int = 3) -> float:

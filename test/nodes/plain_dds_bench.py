@@ -48,10 +48,10 @@ class Header(IdlStruct, typename="std_msgs.msg.dds_.Header_"):
 @dataclass
 class JointState(IdlStruct, typename="sensor_msgs.msg.dds_.JointState_"):
     header: Header
-    name: sequence[str]
-    position: sequence[float64]
-    velocity: sequence[float64]
-    effort: sequence[float64]
+    name: sequence[str]  # type: ignore[type-arg]
+    position: sequence[float64]  # type: ignore[type-arg]
+    velocity: sequence[float64]  # type: ignore[type-arg]
+    effort: sequence[float64]  # type: ignore[type-arg]
 
 
 @dataclass
@@ -66,7 +66,7 @@ class DiagnosticStatus(IdlStruct, typename="diagnostic_msgs.msg.dds_.DiagnosticS
     name: str
     message: str
     hardware_id: str
-    values: sequence[KeyValue]
+    values: sequence[KeyValue]  # type: ignore[type-arg]
 
 
 def main(domain: int) -> None:
