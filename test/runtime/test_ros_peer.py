@@ -2,12 +2,11 @@
 
 from __future__ import annotations
 
-import importlib.util
 import os
-import sys
 from typing import Any
 
 import pytest
+from ros import PATH, REAL_RCLPY
 
 from seat_gear_dynamics.runtime.messages import get_message, get_service
 
@@ -15,7 +14,7 @@ from .conftest import MakeNode, Program, Run, SpinUntil
 
 pytestmark = [
     pytest.mark.ros,
-    pytest.mark.skipif(importlib.util.find_spec("rclpy") is None, reason="rclpy is not importable"),
+    pytest.mark.skipif(not REAL_RCLPY, reason="rclpy is not importable"),
 ]
 
 cyclone_rmw = pytest.mark.skipif(
@@ -40,7 +39,7 @@ late = QoSProfile(depth=3, durability=DurabilityPolicy.TRANSIENT_LOCAL)
 
 
 def real(run: Run, text: str) -> Program:
-    return run(REAL + text, SEAT_GEAR_RUNTIME="rclpy", PYTHONPATH=":".join(["", *sys.path]))
+    return run(REAL + text, SEAT_GEAR_RUNTIME="rclpy", PYTHONPATH=":".join(["", *PATH]))
 
 
 def test_topics_both_ways(run: Run, make_node: MakeNode, executor: Any, spin_until: SpinUntil) -> None:

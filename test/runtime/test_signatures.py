@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-import importlib.util
 import json
 from pathlib import Path
 from typing import Any
 
 import pytest
+from ros import PATH, REAL_RCLPY
 
 from .conftest import Run
 
@@ -99,7 +99,7 @@ def test_signatures_are_those_of_rclpy(bundled: dict[str, Any]) -> None:
 
 
 @pytest.mark.ros
-@pytest.mark.skipif(importlib.util.find_spec("rclpy") is None, reason="rclpy is not importable")
+@pytest.mark.skipif(not REAL_RCLPY, reason="rclpy is not importable")
 def test_table_is_that_of_the_rclpy_here(run: Run) -> None:
     program = run(
         """
@@ -121,6 +121,6 @@ def test_table_is_that_of_the_rclpy_here(run: Run) -> None:
         """,
         str(TABLE),
         SEAT_GEAR_RUNTIME="rclpy",
-        PYTHONPATH=":".join(__import__("sys").path),
+        PYTHONPATH=":".join(PATH),
     )
     program.expect("same")
