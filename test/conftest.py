@@ -1,5 +1,6 @@
 """Gear trains of known parameters, for tests whose numbers must not move with the packaged calibration."""
 
+import os
 from collections.abc import Callable, Mapping
 from copy import deepcopy
 from dataclasses import fields, replace
@@ -8,9 +9,16 @@ from typing import Any
 
 import pytest
 import yaml
+from hypothesis import settings
 
 from seat_gear_dynamics.gears import GearTrain, Mesh, PeriodicSeries, packaged_description
 from seat_gear_dynamics.gears.description import parse_train
+
+# CI repeats the same examples, so that a run says something about the commit; a developer's run explores further ones.
+# No deadline: a busy machine is no fault of the code.
+settings.register_profile("ci", derandomize=True, deadline=None)
+settings.register_profile("explore", deadline=None)
+settings.load_profile("ci" if os.environ.get("CI") else "explore")
 
 Document = dict[str, Any]
 

@@ -83,18 +83,16 @@ def _section(bag: Bag) -> Array:
     layout = np.dtype([("x", "<f4"), ("y", "<f4"), ("z", "<f4"), ("t", "<f8")])
     clouds: list[Array] = []
     last = -np.inf
-    for _, log_ns, _, cloud in bag.decoded(topics.POINCARE.name):
+    for _, _, _, cloud in bag.decoded(topics.POINCARE.name):
         names = [field.name for field in cloud.fields]
         if names != list(layout.names or ()) or cloud.point_step != layout.itemsize:
             raise LogError(f"A cloud in {bag.path} has fields {names}; expected x, y, z, t of 20 bytes a point.")
         points = np.frombuffer(bytes(cloud.data), dtype=layout)
         if not len(points):
             continue
-        # t counts from the monitor's first sample; the newest point came within one publication of this message
-        shift = (log_ns - bag.start_ns) * 1e-9 - float(points["t"][-1])
         fresh = points[points["t"] > last] if points["t"][-1] > last else points
         last = float(points["t"][-1])
-        clouds.append(np.column_stack([fresh["x"], fresh["y"], fresh["t"] + shift]).astype(np.float64))
+        clouds.append(np.column_stack([fresh["x"], fresh["y"], fresh["t"] - bag.start_ns * 1e-9]).astype(np.float64))
     return np.concatenate(clouds) if clouds else np.empty((0, 3))
 
 

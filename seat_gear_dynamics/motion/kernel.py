@@ -146,6 +146,35 @@ def _grid_level(frequency: float, place: int, grid: Grid) -> int:
 
 
 @njit(cache=True, error_model="numpy")
+def _plan(frequency: float, clock: Array, place: Index, grid: Grid) -> tuple[int, float, float, int]:
+    """Return (level, step in τ, phase rate of P12 per τ, finest steps that the phase moves, signed) of the next step.
+
+    Where even the finest grid would take too long a step the phase creeps: the excitation is held over a longest step
+    (rate 0), what the phase should have moved is saved up in clock[1], and it moves by whole finest steps.
+    """
+    finest = grid.levels - 1
+    level = _grid_level(frequency, place[0], grid)
+    if level < grid.levels:
+        h = 2 * pi / (abs(frequency) * grid.base * (1 << level))
+        stride = 1 << (finest - level)
+        return level, h, frequency / (2 * pi), stride if frequency > 0 else -stride
+    clock[1] += frequency * grid.longest_step / (2 * pi) * (grid.base << finest)
+    whole = int(clock[1])  # towards zero
+    clock[1] -= whole
+    return finest, grid.longest_step, 0.0, whole
+
+
+@njit(cache=True, error_model="numpy")
+def _record(sections: Array, recorded: Index, tau: float, mesh: Array, growth: Array) -> None:
+    """Write one section point of P12 in the order of SECTION_COLUMNS and start the growth anew."""
+    r = recorded[0]
+    sections[r, 0], sections[r, 1], sections[r, 2] = tau, mesh[0, 0], mesh[0, 1]
+    sections[r, 3], sections[r, 4] = growth[0], growth[1]
+    growth[0], growth[1] = 0.0, 0.0
+    recorded[0] = r + 1
+
+
+@njit(cache=True, error_model="numpy")
 def march(
     y: Array,
     z: Array,
@@ -166,6 +195,9 @@ def march(
     the last section; window (2, 6); sections (n, 5) with recorded[0] rows used. Frequency and load are held over a
     step at their value at its start, so that a step depends on no input later than that: the result is independent of
     how the time axis is cut into calls.
+
+    The four stages stand here in a row, on arrays made here: as a function of their own they cost three times as much,
+    because the compiler then no longer sees that the arrays do not overlap.
     """
     k1, k2, k3, k4, ys = np.empty(24), np.empty(24), np.empty(24), np.empty(24), np.empty(24)
     j1, j2, j3, j4, zs = np.empty(24), np.empty(24), np.empty(24), np.empty(24), np.empty(24)
@@ -178,21 +210,9 @@ def march(
         since = clock[0] - segment.tau
         frequency = segment.frequency + segment.frequency_slope * since
         load = segment.load + segment.load_slope * since
-        level = _grid_level(frequency, place[0], grid)
-        if level < grid.levels:
-            h = 2 * pi / (abs(frequency) * grid.base * (1 << level))
-            rate = frequency / (2 * pi)
-            stride = 1 << (finest - level)
-            forward = 1 if frequency > 0 else -1
-        else:  # creep: the excitation is held, and the phase moves on by whole finest steps when it has gone that far
-            level, h, rate, stride, forward = finest, grid.longest_step, 0.0, 0, 0
-            clock[1] += frequency * h / (2 * pi) * period
-            if abs(clock[1]) >= 1.0:
-                forward = 1 if clock[1] > 0 else -1
-                stride = int(abs(clock[1]))
-                clock[1] -= forward * stride
+        level, h, rate, moved = _plan(frequency, clock, place, grid)
         half = 2 * (place[0] >> (finest - level))
-        toward = forward if rate != 0.0 else 0
+        toward = 0 if rate == 0.0 else (1 if moved > 0 else -1)
         _look_up(row, grid, level, half)
         _rates(y, z, row, rate, load, eq, k1, j1, mesh)
         if not abs(mesh[0, 0]) + abs(mesh[1, 0]) < _BEYOND:
@@ -216,18 +236,14 @@ def march(
             y[i] += h / 6 * (k1[i] + 2 * k2[i] + 2 * k3[i] + k4[i])
             z[i] += h / 6 * (j1[i] + 2 * j2[i] + 2 * j3[i] + j4[i])
         clock[0] += h
-        place[0] = (place[0] + forward * stride) % grid.cycle
+        place[0] = (place[0] + moved) % grid.cycle
         place[1] += 1
-        if place[0] % period == 0 and stride > 0:
+        if moved != 0 and place[0] % period == 0:
             _renormalise(z, growth)
             place[1] = 0
             _look_up(row, grid, level, 2 * (place[0] >> (finest - level)))
             _rates(y, z, row, rate, load, eq, k1, j1, mesh)
-            r = recorded[0]
-            sections[r, 0], sections[r, 1], sections[r, 2] = clock[0], mesh[0, 0], mesh[0, 1]
-            sections[r, 3], sections[r, 4] = growth[0], growth[1]
-            growth[0], growth[1] = 0.0, 0.0
-            recorded[0] = r + 1
+            _record(sections, recorded, clock[0], mesh, growth)
         elif place[1] >= _RENORMALISE:
             _renormalise(z, growth)
             place[1] = 0

@@ -47,6 +47,11 @@ class Intake:
         else:
             raise StartError(f"The parameter input is {source!r}, expected 'topics' or 'joint_states'.")
 
+    @property
+    def origin_ns(self) -> int:
+        """The stamp of the first sample, which is t = 0 of the session; 0 before it."""
+        return self._origin or 0
+
     def silence(self) -> str | None:
         """Return what input is missing, in words, or None."""
         now = self._now()

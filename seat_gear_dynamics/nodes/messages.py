@@ -57,14 +57,14 @@ def mesh_force(stamp_ns: int, windows: Sequence[ForceWindow]) -> JointState:
     )
 
 
-def poincare(stamp_ns: int, section: NDArray[np.float64]) -> PointCloud2:
-    """Return section points, (n, 3) of δ/b_c, dimensionless rate and time in s, as a cloud.
+def poincare(stamp_ns: int, section: NDArray[np.float64], origin_ns: int) -> PointCloud2:
+    """Return section points, (n, 3) of δ/b_c, dimensionless rate and time in s since `origin_ns`, as a cloud.
 
-    x, y and z are float32, as viewers expect; `t` is float64, s on the clock of the header's stamp.
+    x, y and z are float32, as viewers expect; `t` is float64, s since the epoch as the header's stamp, good to 0.3 µs.
     """
     layout = np.dtype({"names": ["x", "y", "z", "t"], "formats": ["<f4", "<f4", "<f4", "<f8"], "itemsize": 20})
     cloud = np.zeros(len(section), dtype=layout)
-    cloud["x"], cloud["y"], cloud["t"] = section[:, 0], section[:, 1], section[:, 2]
+    cloud["x"], cloud["y"], cloud["t"] = section[:, 0], section[:, 1], section[:, 2] + origin_ns * 1e-9
     kinds = (PointField.FLOAT32, PointField.FLOAT32, PointField.FLOAT32, PointField.FLOAT64)
     fields = [
         PointField(name=name, offset=4 * i, datatype=kind, count=1)

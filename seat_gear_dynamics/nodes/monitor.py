@@ -124,7 +124,7 @@ class Monitor(Node):
             self._session.silence(silence)
         self._publish_warning()
         if self._session.reading is not None:
-            self._poincare.publish(messages.poincare(self._stamp_ns, self._session.section))
+            self._poincare.publish(messages.poincare(self._stamp_ns, self._session.section, self._intake.origin_ns))
 
     def _publish_warning(self) -> None:
         verdict = self._session.verdict

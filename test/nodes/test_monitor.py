@@ -4,6 +4,7 @@ import math
 import signal
 from pathlib import Path
 
+import numpy as np
 import pytest
 from harness import Peer, Processes
 
@@ -65,6 +66,9 @@ def test_every_output_is_published_with_the_contracts_fields(processes: Processe
     cloud = peer.messages["gear_monitor/poincare"][-1]
     assert [field.name for field in cloud.fields] == ["x", "y", "z", "t"]
     assert len(cloud.data) == cloud.width * cloud.point_step
+    times = np.frombuffer(bytes(cloud.data), dtype=[("xyz", "<3f4"), ("t", "<f8")])["t"]
+    assert abs(times[-1] - cloud.header.stamp.sec) < 2.0, "points carry the time of the stamp's clock"
+    assert np.allclose(np.diff(times), 60 / 900 / 17, rtol=0.2), "a mesh period of 17 teeth at 900 r/min apart"
     fed = peer.messages["gear_monitor/input"][-1]
     assert fed.velocity[0] == pytest.approx(900 * RPM)
     assert fed.effort[0] == 600.0
