@@ -6,12 +6,11 @@ from pathlib import Path
 from typing import Any
 
 import pytest
+from programs import MakeNode
 
 from seat_gear_dynamics.runtime import arguments, exceptions, names, wire_domain
 from seat_gear_dynamics.runtime.context import Context
 from seat_gear_dynamics.runtime.node import Node
-
-from .conftest import MakeNode
 
 
 def node_with(domain_id: int, *words: str, name: str = "gear_monitor", **options: Any) -> Node:

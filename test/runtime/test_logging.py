@@ -6,12 +6,11 @@ import re
 from typing import Any
 
 import pytest
+from programs import MakeNode, SpinUntil
 
 from seat_gear_dynamics.runtime import logging
 from seat_gear_dynamics.runtime.messages import get_message
 from seat_gear_dynamics.runtime.qos import qos_profile_rosout
-
-from .conftest import MakeNode, SpinUntil
 
 
 def test_format_is_rcls(capsys: pytest.CaptureFixture[str]) -> None:

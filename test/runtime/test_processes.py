@@ -8,10 +8,9 @@ import time
 from typing import Any
 
 import pytest
+from programs import PREAMBLE, MakeNode, Run, SpinUntil
 
 from seat_gear_dynamics.runtime.messages import get_message
-
-from .conftest import PREAMBLE, MakeNode, Run, SpinUntil
 
 Float64 = get_message("std_msgs/msg/Float64")
 

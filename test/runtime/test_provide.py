@@ -3,8 +3,7 @@
 from __future__ import annotations
 
 import pytest
-
-from .conftest import PREAMBLE, Run
+from programs import PREAMBLE, Run
 
 
 def ask(run: Run, text: str, **environment: str) -> list[str]:

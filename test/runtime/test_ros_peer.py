@@ -6,11 +6,10 @@ import os
 from typing import Any
 
 import pytest
+from programs import MakeNode, Program, Run, SpinUntil
 from ros import PATH, REAL_RCLPY
 
 from seat_gear_dynamics.runtime.messages import get_message, get_service
-
-from .conftest import MakeNode, Program, Run, SpinUntil
 
 pytestmark = [
     pytest.mark.ros,

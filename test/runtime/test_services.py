@@ -5,11 +5,10 @@ from __future__ import annotations
 from typing import Any
 
 import pytest
+from programs import PREAMBLE, MakeNode, Run, SpinUntil
 
 from seat_gear_dynamics.runtime.messages import get_service
 from seat_gear_dynamics.runtime.services import unwrap, wrap
-
-from .conftest import PREAMBLE, MakeNode, Run, SpinUntil
 
 Trigger = get_service("std_srvs/srv/Trigger")
 SetBool = get_service("std_srvs/srv/SetBool")

@@ -7,9 +7,8 @@ from pathlib import Path
 from typing import Any
 
 import pytest
+from programs import Run
 from ros import PATH, REAL_RCLPY
-
-from .conftest import Run
 
 TABLE = Path(__file__).with_name("rclpy_signatures.json")
 """Parameters (name, kind, whether there is a default) of the functions and methods of rclpy 7.1 (Jazzy)."""

@@ -7,13 +7,12 @@ import time as wall
 from typing import Any
 
 import pytest
+from programs import MakeNode, SpinUntil
 
 from seat_gear_dynamics.runtime.clock import Clock, ROSClock
 from seat_gear_dynamics.runtime.messages import get_message
 from seat_gear_dynamics.runtime.parameters import Parameter
 from seat_gear_dynamics.runtime.time import ClockType, Duration, Infinite, Time
-
-from .conftest import MakeNode, SpinUntil
 
 
 def test_arithmetic() -> None:

@@ -6,6 +6,7 @@ import time
 from typing import Any
 
 import pytest
+from programs import MakeNode, SpinUntil
 
 from seat_gear_dynamics.runtime import client_library as rclpy
 from seat_gear_dynamics.runtime import exceptions, qos
@@ -19,8 +20,6 @@ from seat_gear_dynamics.runtime.graph_queries import NodeNameNonExistentError
 from seat_gear_dynamics.runtime.messages import get_message
 from seat_gear_dynamics.runtime.node import Node
 from seat_gear_dynamics.runtime.time import Duration
-
-from .conftest import MakeNode, SpinUntil
 
 Float64 = get_message("std_msgs/msg/Float64")
 String = get_message("std_msgs/msg/String")
