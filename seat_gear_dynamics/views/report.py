@@ -79,7 +79,9 @@ def _draw_speed(axes: Axes, run: Run, bands: Sequence[ForbiddenBand]) -> None:
 
 def _draw_load(axes: Axes, run: Run) -> None:
     axes.plot(*run.load, color=LOAD, lw=0.8)
-    axes.set_ylim(bottom=min(0.0, float(run.load[1].min(initial=0.0))))
+    low, high = float(run.load[1].min(initial=0.0)), float(run.load[1].max(initial=0.0))
+    room = 0.08 * (high - low) or 1.0
+    axes.set_ylim(low - room * (low < 0), high + room)
     axes.set_ylabel("load T4, N·m")
     axes.grid(alpha=0.3)
 
