@@ -12,6 +12,8 @@ from seat_gear_dynamics.gears import ForbiddenBand, GearTrain
 from seat_gear_dynamics.gears.units import RPM
 from seat_gear_dynamics.regimes import Regime
 
+_FAR = 3600.0  # s; a band farther ahead than this is not ahead: such an acceleration is noise
+
 
 class Level(IntEnum):
     """Levels with the numbers of diagnostic_msgs/DiagnosticStatus."""
@@ -143,7 +145,7 @@ class Alarm:
             return 0.0
         slope = self.acceleration()
         gaps = [band.low - magnitude if slope > 0 else magnitude - band.high for band in self.bands]
-        times = [gap / abs(slope) for gap in gaps if gap > 0 and slope != 0]
+        times = [gap / abs(slope) for gap in gaps if 0 < gap < abs(slope) * _FAR]
         return min(times, default=None)
 
     def _track(self, magnitude: float) -> None:
