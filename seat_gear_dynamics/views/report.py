@@ -57,7 +57,7 @@ def _draw_speed(axes: Axes, run: Run, bands: Sequence[ForbiddenBand]) -> None:
     for sign in signs:
         for band in bands:
             edges = sorted((sign * band.low / RPM, sign * band.high / RPM))
-            axes.axhspan(*edges, color=BAND, alpha=0.22, lw=0)
+            axes.axhspan(*edges, color=BAND, alpha=0.22, lw=0.8)  # the edge keeps a narrow band visible
     axes.plot(time, rpm, color=SPEED, lw=1.2)
     axes.set_ylabel("speed of s1, r/min")
     low, high = axes.get_ylim()
@@ -65,15 +65,7 @@ def _draw_speed(axes: Axes, run: Run, bands: Sequence[ForbiddenBand]) -> None:
     for begin, end, level in level_spans(run):
         axes.plot([begin, end], [strip, strip], color=LEVEL_COLOURS[level], lw=6, solid_capstyle="butt")
     handles = [axes.plot([], [], color=colour, lw=6)[0] for colour in LEVEL_COLOURS]
-    axes.legend(
-        handles,
-        LEVEL_NAMES,
-        ncols=4,
-        fontsize=8,
-        loc="upper left",
-        title="warning (strip), forbidden bands shaded",
-        title_fontsize=8,
-    )
+    _legend_above(axes, handles, LEVEL_NAMES, title="warning (strip); forbidden bands shaded")
     axes.grid(alpha=0.3)
 
 
@@ -97,7 +89,13 @@ def _draw_force(axes: Axes, run: Run, mesh: str, colour: str, load_scale: float)
         run.force.time, effort[f"{mesh}/min"], effort[f"{mesh}/max"], color=colour, alpha=0.25, lw=0, label="min to max"
     )
     axes.plot(run.force.time, effort[f"{mesh}/mean"], color=colour, lw=1.0, label="mean")
-    axes.legend(loc="upper left", fontsize=8, ncols=2, title=f"load scale {load_scale:g}", title_fontsize=8)
+    _legend_above(axes, *axes.get_legend_handles_labels(), title=f"load scale {load_scale:g}")
+
+
+def _legend_above(axes: Axes, handles: Any, labels: Any, *, title: str) -> None:
+    """Put the legend above the axes in one line, where it hides no curve."""
+    axes.set_title(title, loc="left", fontsize=8)
+    axes.legend(handles, labels, ncols=4, fontsize=8, loc="lower right", bbox_to_anchor=(1.0, 1.0), frameon=False)
 
 
 def _draw_section(axes: Axes, run: Run) -> None:
