@@ -54,14 +54,7 @@ class Intake:
 
     def silence(self) -> str | None:
         """Return what input is missing, in words, or None."""
-        now = self._now()
-        for name, limit in (("speed", self._settings["input_timeout"]), ("load", self._settings["load_timeout"])):
-            if name not in self._arrival:
-                return f"no {name} received yet"
-            age = (now - self._arrival[name]) * 1e-9
-            if age > limit:
-                return f"no {name} for more than {limit:g} s"
-        return None
+        return self._missing("speed", self._settings["input_timeout"]) or self._missing_load()
 
     def report(self, counts: Mapping[str, int]) -> tuple[Level, str, dict[str, object]]:
         """Return level, text and values of the input's health; `counts` are the sensor's."""
@@ -88,6 +81,15 @@ class Intake:
         if total:
             return Level.WARN, f"{total} samples refused so far", values
         return Level.OK, f"{rate:.0f} samples a second", values
+
+    def _missing(self, name: str, limit: float) -> str | None:
+        if name not in self._arrival:
+            return f"no {name} received yet"
+        age = (self._now() - self._arrival[name]) * 1e-9
+        return f"no {name} for more than {limit:g} s" if age > limit else None
+
+    def _missing_load(self) -> str | None:
+        return self._missing("load", self._settings["load_timeout"])
 
     def _now(self) -> int:
         return int(self._node.get_clock().now().nanoseconds)
@@ -118,7 +120,7 @@ class Intake:
 
     def _hand_on(self, stamp_ns: int, speed: float) -> None:
         self._received += 1
-        if self._load is None:
+        if self._load is None or self._missing_load():
             self._rejected["no load"] += 1
             return
         if self._origin is None:

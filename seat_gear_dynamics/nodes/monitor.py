@@ -75,8 +75,8 @@ class Monitor(Node):
         session = Session(train, settings=alarm, max_gap=get("input_timeout"), section_points=get("section_points"))
         self.get_logger().info("compiling the gear model for this machine (seconds once, then cached)")
         warm_up = Session(train)
-        for t in (0.0, 0.001):
-            warm_up.feed(t, 100.0, 0.0)
+        for k in range(60):  # long enough to come by every path once, the judging of the regime among them
+            warm_up.feed(0.01 * k, 150.0, 0.0)
         return session
 
     def _publish_on(self) -> None:

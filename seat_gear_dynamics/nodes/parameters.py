@@ -5,7 +5,10 @@ from dataclasses import dataclass
 from typing import Any
 
 from rcl_interfaces.msg import FloatingPointRange, IntegerRange, ParameterDescriptor
+from rclpy.exceptions import InvalidParameterTypeException, InvalidParameterValueException
 from rclpy.node import Node
+
+from seat_gear_dynamics.nodes.process import StartError
 
 
 @dataclass(frozen=True)
@@ -17,6 +20,13 @@ class Parameter:
     description: str
     low: float | None = None
     high: float | None = None
+
+    @property
+    def expected(self) -> str:
+        """What the parameter takes, in words, with its default as the example."""
+        kind = {str: "a text", bool: "true or false", int: "a whole number", float: "a number with a point"}
+        bounds = "" if self.low is None or self.high is None else f" from {self.low:g} to {self.high:g}"
+        return f"{kind[type(self.default)]}{bounds}, such as {self.default!r}"
 
     def descriptor(self) -> ParameterDescriptor:
         """Return the rclpy descriptor; every parameter is read once, at start, and read-only from then on."""
@@ -33,6 +43,15 @@ class Parameter:
 def declare(node: Node, parameters: Sequence[Parameter]) -> dict[str, Any]:
     """Declare `parameters` on `node` and return their values by name.
 
-    Raises what rclpy raises for a value of the wrong type or outside its range.
+    Raises StartError, one sentence, for a value of the wrong type or outside its range.
     """
-    return {p.name: node.declare_parameter(p.name, p.default, p.descriptor()).value for p in parameters}
+    return {p.name: _declare(node, p) for p in parameters}
+
+
+def _declare(node: Node, parameter: Parameter) -> Any:
+    try:
+        return node.declare_parameter(parameter.name, parameter.default, parameter.descriptor()).value
+    except (InvalidParameterTypeException, InvalidParameterValueException) as error:
+        raise StartError(
+            f"The parameter {parameter.name} cannot be used ({error}); expected {parameter.expected}."
+        ) from error

@@ -37,6 +37,25 @@ def test_it_is_stale_without_input_ok_with_it_and_stale_again_when_the_input_end
     assert processes.end(monitor) == 0
 
 
+def test_a_load_that_falls_silent_is_stale_and_stays_so_while_speeds_go_on(processes: Processes, peer: Peer) -> None:
+    from std_msgs.msg import Float64
+
+    processes.node("monitor", load_timeout=0.5)
+    peer.wait_for_subscriber("motor/speed")
+    peer.drive_until(900.0, lambda: peer.level() == OK, "OK at 900 r/min")
+
+    def speed_alone() -> int | None:
+        peer.publish("motor/speed", Float64(data=900 * RPM))
+        return peer.level()
+
+    peer.wait(lambda: speed_alone() == STALE, "STALE without a load")
+    assert "no load for more than 0.5 s" in peer.text()
+    heard = len(peer.warnings())
+    peer.wait(lambda: speed_alone() is not None and len(peer.warnings()) > heard + 10, "a second of warnings")
+    assert {warning.level[0] for warning in peer.warnings()[heard:]} == {STALE}
+    assert int(input_report(peer)["speeds without a load"]) > 0
+
+
 def test_the_trip_signal_reaches_a_late_subscriber_and_follows_the_band(processes: Processes, peer: Peer) -> None:
     processes.node("monitor")
     trips = peer.messages["gear_monitor/in_forbidden_band"]
@@ -151,6 +170,9 @@ def test_it_ends_cleanly_on(processes: Processes, peer: Peer, number: signal.Sig
     [
         ({"system": "/nowhere.yaml"}, "cannot be read"),
         ({"input": "bus"}, "expected 'topics' or 'joint_states'"),
+        ({"publish_rate": "-5.0"}, "expected a number with a point from 1 to 1000, such as 50.0"),
+        ({"publish_rate": "fast"}, "expected a number with a point from 1 to 1000, such as 50.0"),
+        ({"section_points": "1.5"}, "expected a whole number from 1 to 10000, such as 256"),
     ],
 )
 def test_a_start_that_cannot_be_is_one_sentence(
