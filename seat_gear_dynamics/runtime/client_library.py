@@ -9,7 +9,7 @@ from seat_gear_dynamics.runtime.arguments import without_ros_arguments
 from seat_gear_dynamics.runtime.context import Context, get_default_context, shutdown_context
 from seat_gear_dynamics.runtime.executor import Executor, SingleThreadedExecutor
 from seat_gear_dynamics.runtime.node import Node
-from seat_gear_dynamics.runtime.parameters import Parameter
+from seat_gear_dynamics.runtime.parameters.parameter import Parameter
 from seat_gear_dynamics.runtime.signals import SignalHandlerOptions
 from seat_gear_dynamics.runtime.tasks import Future
 

@@ -13,12 +13,12 @@ from typing import TYPE_CHECKING, Any
 
 from seat_gear_dynamics.runtime import arguments, logging, signals
 from seat_gear_dynamics.runtime.exceptions import NotInitializedException, RCLError
-from seat_gear_dynamics.runtime.wire_domain import HIGHEST_DOMAIN, domain_id_from
+from seat_gear_dynamics.runtime.wire.domain import HIGHEST_DOMAIN, domain_id_from
 
 if TYPE_CHECKING:
     from seat_gear_dynamics.runtime.graph import Graph
-    from seat_gear_dynamics.runtime.wire import Participant
-    from seat_gear_dynamics.runtime.wire_wait import Guard
+    from seat_gear_dynamics.runtime.wire.participant import Participant
+    from seat_gear_dynamics.runtime.wire.wait import Guard
 
 _alive: weakref.WeakSet[Context] = weakref.WeakSet()
 
@@ -146,7 +146,7 @@ class Context:
             NotInitializedException: the context is not running.
         """
         from seat_gear_dynamics.runtime.graph import Graph
-        from seat_gear_dynamics.runtime.wire import Participant
+        from seat_gear_dynamics.runtime.wire.participant import Participant
 
         with self._lock:
             if self._graph is None:

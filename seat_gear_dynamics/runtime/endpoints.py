@@ -20,7 +20,7 @@ if TYPE_CHECKING:
     from seat_gear_dynamics.runtime.context import Context
     from seat_gear_dynamics.runtime.events import EventHandler
     from seat_gear_dynamics.runtime.groups import CallbackGroup
-    from seat_gear_dynamics.runtime.wire import Reader, Writer
+    from seat_gear_dynamics.runtime.wire.participant import Reader, Writer
 
 _MOST_AT_ONCE = 32
 """Samples taken from DDS in one go: more would let a keep-last subscription fall behind."""

@@ -14,7 +14,7 @@ from seat_gear_dynamics.runtime.absent import sentence
 from seat_gear_dynamics.runtime.context import Context, get_default_context
 from seat_gear_dynamics.runtime.exceptions import RCLError
 from seat_gear_dynamics.runtime.tasks import Future, Task
-from seat_gear_dynamics.runtime.wire_wait import Guard, WaitSet
+from seat_gear_dynamics.runtime.wire.wait import Guard, WaitSet
 
 if TYPE_CHECKING:
     from seat_gear_dynamics.runtime.node import Node

@@ -13,8 +13,8 @@ from seat_gear_dynamics.runtime import names
 from seat_gear_dynamics.runtime.messages import decoder, encoder, message_class
 from seat_gear_dynamics.runtime.qos import DurabilityPolicy as Durability
 from seat_gear_dynamics.runtime.qos import HistoryPolicy, QoSProfile
-from seat_gear_dynamics.runtime.qos_dds import dds_qos, profile_of
-from seat_gear_dynamics.runtime.wire import Participant
+from seat_gear_dynamics.runtime.wire.participant import Participant
+from seat_gear_dynamics.runtime.wire.qos import dds_qos, profile_of
 
 _INFO = "rmw_dds_common/msg/ParticipantEntitiesInfo"
 _INFO_HASH = "RIHS01_91a0593bacdcc50ea9bdcf849a938b128412cc1ea821245c663bcd26f83c295e"

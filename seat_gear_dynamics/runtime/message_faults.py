@@ -5,7 +5,7 @@ from __future__ import annotations
 import struct
 from typing import Any
 
-from seat_gear_dynamics.runtime.cdr_blocks import CODES
+from seat_gear_dynamics.runtime.cdr.blocks import CODES
 from seat_gear_dynamics.runtime.interfaces import Kind
 
 

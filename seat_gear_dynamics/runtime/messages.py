@@ -9,9 +9,9 @@ from functools import cache
 from typing import Any, ClassVar
 
 from seat_gear_dynamics.runtime import interfaces
-from seat_gear_dynamics.runtime.cdr_blocks import CODES, HEADER, SIZES, fixed
-from seat_gear_dynamics.runtime.cdr_read import Readers
-from seat_gear_dynamics.runtime.cdr_write import Writers
+from seat_gear_dynamics.runtime.cdr.blocks import CODES, HEADER, SIZES, fixed
+from seat_gear_dynamics.runtime.cdr.read import Readers
+from seat_gear_dynamics.runtime.cdr.write import Writers
 from seat_gear_dynamics.runtime.interfaces import PLACEHOLDER, Kind
 from seat_gear_dynamics.runtime.message_faults import find_fault
 

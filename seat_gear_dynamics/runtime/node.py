@@ -20,9 +20,9 @@ from seat_gear_dynamics.runtime.names import (
     validate_topic_name,
 )
 from seat_gear_dynamics.runtime.node_entities import EntityOwner
-from seat_gear_dynamics.runtime.parameter_services import ParameterService
-from seat_gear_dynamics.runtime.parameter_store import ParameterStore
-from seat_gear_dynamics.runtime.parameters import Parameter
+from seat_gear_dynamics.runtime.parameters.parameter import Parameter
+from seat_gear_dynamics.runtime.parameters.services import ParameterService
+from seat_gear_dynamics.runtime.parameters.store import ParameterStore
 from seat_gear_dynamics.runtime.qos import (
     qos_profile_parameter_events,
     qos_profile_rosout,

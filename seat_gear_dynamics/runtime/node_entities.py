@@ -16,10 +16,10 @@ from seat_gear_dynamics.runtime.messages import check_message_class
 from seat_gear_dynamics.runtime.names import dds_topic
 from seat_gear_dynamics.runtime.node_services import ServiceOwner
 from seat_gear_dynamics.runtime.qos import QoSProfile, as_profile
-from seat_gear_dynamics.runtime.qos_dds import dds_qos
 from seat_gear_dynamics.runtime.services import Client, Service
 from seat_gear_dynamics.runtime.time import S_TO_NS
 from seat_gear_dynamics.runtime.timer import Rate, Timer
+from seat_gear_dynamics.runtime.wire.qos import dds_qos
 
 if TYPE_CHECKING:
     from seat_gear_dynamics.runtime.executor import Work

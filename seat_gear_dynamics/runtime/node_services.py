@@ -12,8 +12,8 @@ from seat_gear_dynamics.runtime.interfaces import type_hash
 from seat_gear_dynamics.runtime.messages import check_service_class
 from seat_gear_dynamics.runtime.names import dds_topic
 from seat_gear_dynamics.runtime.qos import QoSProfile, qos_profile_services_default
-from seat_gear_dynamics.runtime.qos_dds import dds_qos
 from seat_gear_dynamics.runtime.services import Client, Service
+from seat_gear_dynamics.runtime.wire.qos import dds_qos
 
 
 class ServiceOwner:

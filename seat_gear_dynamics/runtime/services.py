@@ -15,7 +15,7 @@ from collections import deque
 from collections.abc import Callable
 from typing import TYPE_CHECKING, Any
 
-from seat_gear_dynamics.runtime.cdr_blocks import HEADER
+from seat_gear_dynamics.runtime.cdr.blocks import HEADER
 from seat_gear_dynamics.runtime.exceptions import InvalidHandle, RCLError
 from seat_gear_dynamics.runtime.messages import decoder, encoder
 from seat_gear_dynamics.runtime.qos import QoSProfile
@@ -24,7 +24,7 @@ from seat_gear_dynamics.runtime.tasks import Future
 if TYPE_CHECKING:
     from seat_gear_dynamics.runtime.context import Context
     from seat_gear_dynamics.runtime.groups import CallbackGroup
-    from seat_gear_dynamics.runtime.wire import Reader, Writer
+    from seat_gear_dynamics.runtime.wire.participant import Reader, Writer
 
 _IDENTITY = struct.Struct("<Qq")
 _BODY = len(HEADER) + _IDENTITY.size

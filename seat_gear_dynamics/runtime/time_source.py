@@ -6,7 +6,7 @@ import weakref
 from typing import TYPE_CHECKING, Any
 
 from seat_gear_dynamics.runtime.messages import get_message
-from seat_gear_dynamics.runtime.parameters import Parameter, ParameterType
+from seat_gear_dynamics.runtime.parameters.parameter import Parameter, ParameterType
 from seat_gear_dynamics.runtime.qos import QoSProfile, ReliabilityPolicy
 from seat_gear_dynamics.runtime.time import Time
 

@@ -8,9 +8,10 @@ from typing import Any
 import pytest
 from programs import MakeNode
 
-from seat_gear_dynamics.runtime import arguments, exceptions, names, wire_domain
+from seat_gear_dynamics.runtime import arguments, exceptions, names
 from seat_gear_dynamics.runtime.context import Context
 from seat_gear_dynamics.runtime.node import Node
+from seat_gear_dynamics.runtime.wire import domain as wire_domain
 
 
 def node_with(domain_id: int, *words: str, name: str = "gear_monitor", **options: Any) -> Node:

@@ -10,7 +10,7 @@ from programs import MakeNode, SpinUntil
 from seat_gear_dynamics.runtime import exceptions
 from seat_gear_dynamics.runtime.messages import get_message, get_service
 from seat_gear_dynamics.runtime.node import Node
-from seat_gear_dynamics.runtime.parameters import Parameter
+from seat_gear_dynamics.runtime.parameters.parameter import Parameter
 
 Descriptor = get_message("rcl_interfaces/msg/ParameterDescriptor")
 FloatRange = get_message("rcl_interfaces/msg/FloatingPointRange")

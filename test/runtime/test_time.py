@@ -11,7 +11,7 @@ from programs import MakeNode, SpinUntil
 
 from seat_gear_dynamics.runtime.clock import Clock, ROSClock
 from seat_gear_dynamics.runtime.messages import get_message
-from seat_gear_dynamics.runtime.parameters import Parameter
+from seat_gear_dynamics.runtime.parameters.parameter import Parameter
 from seat_gear_dynamics.runtime.time import ClockType, Duration, Infinite, Time
 
 

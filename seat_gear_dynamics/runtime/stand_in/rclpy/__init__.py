@@ -11,7 +11,7 @@ from seat_gear_dynamics.runtime.client_library import (
     spin_until_future_complete,
 )
 from seat_gear_dynamics.runtime.context import Context, get_default_context, ok, try_shutdown
-from seat_gear_dynamics.runtime.parameters import Parameter
+from seat_gear_dynamics.runtime.parameters.parameter import Parameter
 from seat_gear_dynamics.runtime.signals import SignalHandlerOptions, install_signal_handlers, uninstall_signal_handlers
 from seat_gear_dynamics.runtime.tasks import Future
 

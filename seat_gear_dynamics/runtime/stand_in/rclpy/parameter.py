@@ -1,7 +1,11 @@
 """Parameters."""
 
 from seat_gear_dynamics.runtime.absent import missing_from
-from seat_gear_dynamics.runtime.parameters import PARAMETER_SEPARATOR_STRING, Parameter, parameter_value_to_python
+from seat_gear_dynamics.runtime.parameters.parameter import (
+    PARAMETER_SEPARATOR_STRING,
+    Parameter,
+    parameter_value_to_python,
+)
 
 __all__ = ["PARAMETER_SEPARATOR_STRING", "Parameter", "parameter_value_to_python"]
 

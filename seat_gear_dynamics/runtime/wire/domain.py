@@ -8,7 +8,7 @@ from collections.abc import Mapping
 from typing import Any
 
 from seat_gear_dynamics.runtime.exceptions import RCLError
-from seat_gear_dynamics.runtime.wire_library import delete
+from seat_gear_dynamics.runtime.wire.library import delete
 
 HIGHEST_DOMAIN = 232
 """Largest ROS_DOMAIN_ID whose UDP ports exist."""

@@ -5,10 +5,10 @@ from __future__ import annotations
 import ctypes as ct
 from typing import TYPE_CHECKING, Any
 
-from seat_gear_dynamics.runtime.wire_library import checked, library
+from seat_gear_dynamics.runtime.wire.library import checked, library
 
 if TYPE_CHECKING:
-    from seat_gear_dynamics.runtime.wire import Participant
+    from seat_gear_dynamics.runtime.wire.participant import Participant
 
 
 class Guard:

@@ -16,8 +16,8 @@ from seat_gear_dynamics.runtime.exceptions import (
 )
 from seat_gear_dynamics.runtime.messages import get_message
 from seat_gear_dynamics.runtime.names import validate_parameter_name
-from seat_gear_dynamics.runtime.parameter_setting import ParameterSetting, new_descriptor
-from seat_gear_dynamics.runtime.parameters import PARAMETER_SEPARATOR_STRING, Parameter, ParameterType
+from seat_gear_dynamics.runtime.parameters.parameter import PARAMETER_SEPARATOR_STRING, Parameter, ParameterType
+from seat_gear_dynamics.runtime.parameters.setting import ParameterSetting, new_descriptor
 
 
 class ParameterStore(ParameterSetting):

@@ -5,10 +5,10 @@ from __future__ import annotations
 import threading
 from typing import Any
 
-from seat_gear_dynamics.runtime import wire_types
 from seat_gear_dynamics.runtime.exceptions import RCLError
-from seat_gear_dynamics.runtime.wire_domain import domains
-from seat_gear_dynamics.runtime.wire_library import checked, delete, library
+from seat_gear_dynamics.runtime.wire import types as wire_types
+from seat_gear_dynamics.runtime.wire.domain import domains
+from seat_gear_dynamics.runtime.wire.library import checked, delete, library
 
 _ANY_STATE = 0x7F
 _OK, _TIMEOUT = 0, -10

@@ -12,8 +12,8 @@ from array import array
 from collections.abc import Callable
 from typing import Any
 
-from seat_gear_dynamics.runtime.cdr_blocks import CODES, SIZES, fixed, unpack_block
-from seat_gear_dynamics.runtime.cdr_source import LayoutOf, Source
+from seat_gear_dynamics.runtime.cdr.blocks import CODES, SIZES, fixed, unpack_block
+from seat_gear_dynamics.runtime.cdr.source import LayoutOf, Source
 from seat_gear_dynamics.runtime.interfaces import PLACEHOLDER, Kind
 
 

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 from seat_gear_dynamics.runtime.exceptions import ParameterNotDeclaredException
 from seat_gear_dynamics.runtime.messages import get_message
-from seat_gear_dynamics.runtime.parameters import REL_TOL, Parameter, ParameterType, refusal
+from seat_gear_dynamics.runtime.parameters.parameter import REL_TOL, Parameter, ParameterType, refusal
 
 if TYPE_CHECKING:
     from seat_gear_dynamics.runtime.clock import ROSClock

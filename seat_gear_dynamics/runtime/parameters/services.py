@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 from seat_gear_dynamics.runtime.exceptions import ParameterNotDeclaredException, ParameterUninitializedException
 from seat_gear_dynamics.runtime.messages import get_message, get_service
-from seat_gear_dynamics.runtime.parameters import Parameter
+from seat_gear_dynamics.runtime.parameters.parameter import Parameter
 from seat_gear_dynamics.runtime.qos import qos_profile_parameters
 
 if TYPE_CHECKING:

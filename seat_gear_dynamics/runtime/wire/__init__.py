@@ -1,0 +1,1 @@
+"""DDS itself: domain, participant, readers and writers, their QoS and types, waiting on them."""
