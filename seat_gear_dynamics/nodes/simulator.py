@@ -21,7 +21,7 @@ JOINT = "seat_height"
 
 PARAMETERS = (
     Parameter("profile", DEFAULT, f"what the bench plays: {', '.join(PROFILES)}"),
-    Parameter("rate", 100.0, "samples a second, Hz", 1.0, 2000.0),
+    Parameter("rate", 50.0, "samples a second, Hz", 1.0, 2000.0),
     Parameter("motor_time_constant", 0.08, "lag of the motor behind its command, s", 0.0, 10.0),
     Parameter("hall_pulses", 3000, "Hall-sensor increments per revolution of s1", 1, 1_000_000),
     Parameter("speed_noise_rpm", 0.5, "noise of the measured speed, r/min rms", 0.0, 1000.0),
