@@ -77,8 +77,9 @@ class Peer:
                     self.messages[topic.name].append,
                     QoSProfile(depth=1000, durability=durability),
                 )
+        # Deep enough for a test's whole burst: keep-last drops what a slow reader has not taken.
         self._publishers = {
-            topic.name: self.node.create_publisher(get_message(topic.type), topic.name, QoSProfile(depth=100))
+            topic.name: self.node.create_publisher(get_message(topic.type), topic.name, QoSProfile(depth=1000))
             for topic in topics.TOPICS
             if topic.direction == "in"
         }
