@@ -51,6 +51,7 @@ class Monitor(Node):
         self._settings = declare(self, PARAMETERS)
         self._session = self._make_session(self._load())
         self._health = SolverHealth(self._settings["publish_rate"])
+        self._forces_due = False
         self._intake = Intake(self, self._settings, self._feed)
         self._publish_on()
         self._timers_on()
@@ -107,14 +108,23 @@ class Monitor(Node):
         if change.changed:
             self._publish_warning()
         self._input.publish(messages.model_input(stamp_ns, speed, load))
+        self._publish_forces()
         if change.reading.event not in ("running", "started"):
             self.get_logger().warning(f"the model restarted: {change.reading.event}", throttle_duration_sec=5.0)
 
     def _on_publish(self) -> None:
         self._health.published(self.get_clock().now().nanoseconds)
+        self._forces_due = True
+        self._publish_forces()
+
+    def _publish_forces(self) -> None:
+        """Publish the forces that are due; without a new sample they wait for one, rather than for the next tick."""
+        if not self._forces_due:
+            return
         windows, reading = self._session.take_windows(), self._session.reading
         if reading is None or windows[0].duration == 0:
             return  # nothing moved since the last message: silence, not an invented value
+        self._forces_due = False
         self._mesh_force.publish(messages.mesh_force(self._stamp_ns, windows))
         self._mesh_state.publish(messages.mesh_state(self._stamp_ns, reading.contacts))
 
