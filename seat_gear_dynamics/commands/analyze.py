@@ -35,7 +35,7 @@ def report(log: Path, output: Path | None, system: str | None) -> tuple[dict[str
     from seat_gear_dynamics.gears import load_train
     from seat_gear_dynamics.gears.description import parse_train
     from seat_gear_dynamics.logs.run import read_run
-    from seat_gear_dynamics.views.report import level_spans, summary_lines, write_report
+    from seat_gear_dynamics.views.report import summary_lines, time_by_level, write_report
 
     recorded = read_run(log)
     train = parse_train(recorded.system_text) if system is None and recorded.system_text else load_train(system)
@@ -43,16 +43,12 @@ def report(log: Path, output: Path | None, system: str | None) -> tuple[dict[str
     folder.mkdir(parents=True, exist_ok=True)
     picture = folder / "report.png"
     write_report(recorded, train.bands, picture, load_scale=train.model.load_scale)
-    names = ("OK", "WARN", "ERROR", "STALE")
-    time_by_level = dict.fromkeys(names, 0.0)
-    for begin, end, level in level_spans(recorded):
-        time_by_level[names[level]] += end - begin
     values = {
         "log": str(log),
         "duration": recorded.duration,
         "report": str(picture),
         "load_scale": train.model.load_scale,
-        "warning_time": time_by_level,
+        "warning_time": time_by_level(recorded),
         "topics": {
             f.topic: {"count": f.count, "period": f.period, "longest_gap": f.longest_gap} for f in recorded.flows
         },

@@ -50,6 +50,14 @@ def level_spans(run: Run) -> list[tuple[float, float, int]]:
     return spans
 
 
+def time_by_level(run: Run) -> dict[str, float]:
+    """Return how long each warning level stood, s, by its name."""
+    total = dict.fromkeys(LEVEL_NAMES, 0.0)
+    for begin, end, level in level_spans(run):
+        total[LEVEL_NAMES[level]] += end - begin
+    return total
+
+
 def _draw_speed(axes: Axes, run: Run, bands: Sequence[ForbiddenBand]) -> None:
     time, speed = run.speed
     rpm = speed / RPM
@@ -121,10 +129,7 @@ def _draw_words(axes: Axes, run: Run) -> None:
 def summary_lines(run: Run) -> list[str]:
     """Return the run in words: warning time by level, forces, and each topic's count, period and longest gap."""
     lines = ["warning, time by level"]
-    total = dict.fromkeys(range(4), 0.0)
-    for begin, end, level in level_spans(run):
-        total[level] += end - begin
-    lines += [f"  {name:6s}{total[level]:8.1f} s" for level, name in enumerate(LEVEL_NAMES)]
+    lines += [f"  {name:6s}{seconds:8.1f} s" for name, seconds in time_by_level(run).items()]
     if run.force is not None and len(run.force.time):
         lines.append("largest mesh force")
         lines += [f"  {mesh:6s}{np.nanmax(run.force.effort[f'{mesh}/max']):8.0f} N" for mesh in ("s1_s2", "s3_s4")]
