@@ -5,7 +5,7 @@ from seat_gear_dynamics.gears.errors import DescriptionError
 from seat_gear_dynamics.gears.excitation import PeriodicSeries, TransmissionErrorHarmonic
 from seat_gear_dynamics.gears.stiffness import MeshStiffness, mesh_stiffness
 from seat_gear_dynamics.gears.tooth import Tooth, contact_ratio
-from seat_gear_dynamics.gears.train import ForbiddenBand, Gear, GearTrain, Mesh, Model, Provenance
+from seat_gear_dynamics.gears.train import ForbiddenBand, Gear, GearTrain, Mesh, Model, Provenance, Shaft, Variant
 
 __all__ = [
     "DescriptionError",
@@ -17,8 +17,10 @@ __all__ = [
     "Model",
     "PeriodicSeries",
     "Provenance",
+    "Shaft",
     "Tooth",
     "TransmissionErrorHarmonic",
+    "Variant",
     "contact_ratio",
     "load_train",
     "mesh_stiffness",

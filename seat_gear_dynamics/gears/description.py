@@ -21,10 +21,23 @@ from seat_gear_dynamics.gears.schema import (
     MODEL_KEYS,
     PROVENANCES,
     SECTIONS,
+    SHAFT_KEYS,
+    VARIANT_KEYS,
     Key,
 )
 from seat_gear_dynamics.gears.tooth import contact_ratio, path_of_contact
-from seat_gear_dynamics.gears.train import ForbiddenBand, Gear, GearTrain, Mesh, Model, Provenance
+from seat_gear_dynamics.gears.train import (
+    ForbiddenBand,
+    Gear,
+    GearTrain,
+    Mesh,
+    Model,
+    Provenance,
+    Shaft,
+    Variant,
+    derived_time_scale,
+    published_time_scale,
+)
 from seat_gear_dynamics.gears.units import si_unit, to_si
 
 Values = dict[str, Any]
@@ -81,9 +94,17 @@ def parse_train(text: str) -> GearTrain:
     meshes_section = _mapping("meshes", top["meshes"])
     _exact_keys("meshes", meshes_section, MESHES)
     meshes = [_mesh(reader, name, meshes_section[name], gears) for name in MESHES]
-    model = Model(**reader.section("model", top["model"], MODEL_KEYS))
+    shaft = Shaft(**reader.section("shaft", top["shaft"], SHAFT_KEYS))
+    variant = Variant(**reader.section("variant", top["variant"], VARIANT_KEYS))
+    values = reader.section("model", top["model"], MODEL_KEYS)
+    if values["time_scale"] == "published":
+        values["time_scale"] = published_time_scale(gears["s1"].teeth)
+    elif values["time_scale"] == "derived":
+        values["time_scale"] = derived_time_scale(meshes[0])
     bands = _bands(reader, top["bands"])
-    return GearTrain(top["name"], (meshes[0], meshes[1]), model, bands, reader.provenance, text)
+    return GearTrain(
+        top["name"], (meshes[0], meshes[1]), shaft, variant, Model(**values), bands, reader.provenance, text
+    )
 
 
 class _NoDuplicates(yaml.SafeLoader):
@@ -133,6 +154,8 @@ class _Reader:
         if key.kind == "flag":
             if not isinstance(value, bool):
                 raise DescriptionError(f"{where}: found {value!r}, expected true or false; correct the value.")
+            return value
+        if isinstance(value, str) and value in key.words:
             return value
         if key.kind == "list":
             if not isinstance(value, list):

@@ -14,19 +14,22 @@ class Key:
     includes_low: bool = True
     kind: str = "number"
     """`number`, `integer`, `flag`, or `list` (of numbers)."""
+    words: tuple[str, ...] = ()
+    """Words that stand for a number which the description itself determines."""
 
     def expectation(self, unit: str) -> str:
         """Return in words what this key accepts, for an error sentence; `unit` is the SI unit."""
         if self.kind == "flag":
             return "true or false"
         noun = {"integer": "a whole number", "list": "a list of finite numbers"}.get(self.kind, "a finite number")
+        words = "".join(f"{word!r}, " for word in self.words)
         suffix = "" if unit == "1" else f" {unit}"
         bounds = []
         if self.low != -inf:
             bounds.append(f"{'at least' if self.includes_low else 'greater than'} {self.low:g}{suffix}")
         if self.high != inf:
             bounds.append(f"at most {self.high:g}{suffix}")
-        return f"{noun} {' and '.join(bounds)}".strip()
+        return f"{words}{'or ' if words else ''}{noun} {' and '.join(bounds)}".strip()
 
 
 def _positive(dimension: str, high: float = inf) -> Key:
@@ -50,6 +53,8 @@ GEAR_KEYS = {
     "support_damping_ratio": Key("number", 0.0, 1.0),
     "torsional_stiffness": Key("stiffness", 0.0),
     "torsional_damping_ratio": Key("number", 0.0, 1.0),
+    "eccentricity": Key("length", 0.0),
+    "eccentricity_phase": Key("angle"),
 }
 
 MESH_KEYS = {
@@ -62,8 +67,18 @@ MESH_KEYS = {
     "error_phase": Key("angle", kind="list"),
 }
 
+SHAFT_KEYS = {
+    "stiffness": Key("torsional stiffness", 0.0),
+    "damping_ratio": Key("number", 0.0, 1.0),
+}
+
+VARIANT_KEYS = {
+    "backlash_in_torsion": Key("number", kind="flag"),
+    "damping_in_contact_only": Key("number", kind="flag"),
+}
+
 MODEL_KEYS = {
-    "time_scale": _positive("angular velocity"),
+    "time_scale": Key("angular velocity", 0.0, includes_low=False, words=("published", "derived")),
     "displacement_scale": _positive("length"),
     "load_scale": _positive("number"),
     "max_speed": _positive("angular velocity"),
@@ -80,4 +95,4 @@ BAND_KEYS = {
 PROVENANCES = ("given", "derived", "calibrated", "chosen")
 GEAR_NAMES = ("s1", "s2", "s3", "s4")
 MESHES = {"s1_s2": ("s1", "s2"), "s3_s4": ("s3", "s4")}
-SECTIONS = ("name", "gears", "meshes", "model", "bands")
+SECTIONS = ("name", "gears", "meshes", "shaft", "variant", "model", "bands")

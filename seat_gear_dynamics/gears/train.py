@@ -3,11 +3,15 @@
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from functools import cached_property
-from math import sqrt
+from math import inf, pi, sqrt
+from typing import Literal
 
 from seat_gear_dynamics.gears.excitation import PeriodicSeries, TransmissionErrorHarmonic, error_series
 from seat_gear_dynamics.gears.stiffness import MeshStiffness, mesh_stiffness
 from seat_gear_dynamics.gears.tooth import Tooth, contact_ratio
+
+PUBLISHED_PAIRS = ((1.29, 1349.0), (1.30, 1359.0), (1.52, 1589.0), (1.97, 2060.0))
+"""Omega and the speed of s1, r/min, that section 3.1 converts it to."""
 
 
 @dataclass(frozen=True)
@@ -54,6 +58,10 @@ class Gear:
     torsional_stiffness: float
     """k_nt of (10)-(13): acts as r²·k_nt on the rotation, N/m."""
     torsional_damping_ratio: float
+    eccentricity: float
+    """Distance of the tooth ring's centre from the axis: an error along the line of action once a revolution, m."""
+    eccentricity_phase: float
+    """Of that error at mesh phase 0, rad."""
 
     @property
     def tooth(self) -> Tooth:
@@ -128,6 +136,31 @@ class Mesh:
 
 
 @dataclass(frozen=True)
+class Shaft:
+    """The shaft that s2 and s3 share; massless, as the paper has it."""
+
+    stiffness: float
+    """Torsional, N·m/rad; 0 leaves the pairs decoupled, as (10)-(13) print them."""
+    damping_ratio: float
+    """Of s2's and s3's inertias turning against each other on the shaft."""
+
+    @property
+    def couples(self) -> bool:
+        """Whether there is a shaft at all."""
+        return self.stiffness > 0
+
+
+@dataclass(frozen=True)
+class Variant:
+    """Which reading of the equations is solved."""
+
+    backlash_in_torsion: bool
+    """True: f(δ) in every line. False: δ in the torsional lines, as (10)-(13) print them (digest, erratum 5)."""
+    damping_in_contact_only: bool
+    """True: c·δ′ acts while teeth touch. False: always, as (10)-(13) print it."""
+
+
+@dataclass(frozen=True)
 class ForbiddenBand:
     """A range of input-gear speed to stay out of, published at one load."""
 
@@ -163,6 +196,8 @@ class GearTrain:
 
     name: str
     meshes: tuple[Mesh, Mesh]
+    shaft: Shaft
+    variant: Variant
     model: Model
     bands: tuple[ForbiddenBand, ...]
     provenance: Mapping[str, Provenance]
@@ -178,8 +213,7 @@ class GearTrain:
     @property
     def derived_time_scale(self) -> float:
         """omega_d of (15), rad/s: the scale in which the dimensionless equations are written."""
-        first = self.meshes[0]
-        return sqrt(first.mean_model_stiffness * (1 / first.driver.equivalent_mass + 1 / first.driven.equivalent_mass))
+        return derived_time_scale(self.meshes[0])
 
     def frequency(self, speed: float) -> float:
         """Return the dimensionless mesh frequency Omega of P12 at `speed`, rad/s of s1."""
@@ -198,6 +232,22 @@ class GearTrain:
         second = load / s4.base_radius
         return second * s3.base_radius / s2.base_radius, second
 
+    def with_shaft(self, stiffness: float, damping_ratio: float = 0.01) -> "GearTrain":
+        """Return the same train with s2 and s3 coupled by a shaft, N·m/rad; 0 takes the shaft away."""
+        return replace(self, shaft=Shaft(stiffness, damping_ratio))
+
+    def with_time_scale(self, scale: float | Literal["published", "derived"]) -> "GearTrain":
+        """Return the same train with another omega_d for bench time: one of the two named values or a measured one."""
+        if scale == "published":
+            scale = published_time_scale(self.gears[0].teeth)
+        elif scale == "derived":
+            scale = self.derived_time_scale
+        if not (isinstance(scale, int | float) and 0 < scale < inf):
+            raise ValueError(
+                f"The time scale is {scale!r}, expected 'published', 'derived' or a positive number of rad/s."
+            )
+        return replace(self, model=replace(self.model, time_scale=float(scale)))
+
     def with_mesh(
         self, index: int, *, damping_ratio: float | None = None, backlash: float | None = None
     ) -> "GearTrain":
@@ -210,3 +260,17 @@ class GearTrain:
         )
         meshes = (changed, self.meshes[1]) if index == 0 else (self.meshes[0], changed)
         return replace(self, meshes=meshes)
+
+
+def derived_time_scale(mesh: Mesh) -> float:
+    """Return omega_d of (15) from P12, rad/s."""
+    return sqrt(mesh.mean_model_stiffness * (1 / mesh.driver.equivalent_mass + 1 / mesh.driven.equivalent_mass))
+
+
+def published_time_scale(teeth: int) -> float:
+    """Return the omega_d, rad/s, that the paper's own pairs of frequency and speed imply for `teeth` teeth of s1.
+
+    The mean over the four pairs of section 3.1, which agree within their rounding. It is 1/62 of (15)'s value, and the
+    paper does not say why (digest, erratum 4).
+    """
+    return sum(teeth * rpm * pi / 30 / frequency for frequency, rpm in PUBLISHED_PAIRS) / len(PUBLISHED_PAIRS)

@@ -17,6 +17,7 @@ _FACTORS: dict[str, dict[str, float]] = {
     "pressure": {"Pa": 1.0, "N/m²": 1.0, "N/m^2": 1.0, "GPa": 1e9},
     "stiffness": {"N/m": 1.0},
     "angular velocity": {"rad/s": 1.0, "r/min": RPM, "rpm": RPM},
+    "torsional stiffness": {"N·m/rad": 1.0, "N*m/rad": 1.0, "Nm/rad": 1.0},
     "torque": {"N·m": 1.0, "N*m": 1.0, "Nm": 1.0},
 }
 

@@ -2,11 +2,15 @@
 
 The twelve coordinates are, gear by gear for s1..s4, x, y and u = r·θ, each divided by b_c. Taking the arc u along the
 base circle for θ gives all coordinates one unit; r²·k_nt·θ then reads k_nt·u and J reads J/r². Time is τ = ω_d·t with
-ω_d from (15), force is divided by k̄_12·b_c. In this form every mesh is one direction w in coordinate space:
+ω_d from (15), force is divided by k̄_12·b_c. In this form every spring between gears is one direction w in coordinate
+space, the two meshes and the shaft that s2 and s3 may share alike:
 
-    M q″ + C q′ + K q + Σ_j w_j·F_j = load·Q,   δ_j = w_j·q − e_j,   F_j = κ_j f(δ_j) + c_j δ_j′
+    M q″ + C q′ + K q + Σ_j w_j·F_j + w_s·F_s = load·Q,   δ_j = w_j·q − e_j,   F_j = κ_j f(δ_j) + c_j δ_j′,
+    F_s = κ_s·w_s·q + c_s·w_s·q′
 
-with M, C and K diagonal, because shafts and supports couple no two coordinates in the decoupled train as printed.
+with M, C and K diagonal. Variants change single terms: `backlash_in_torsion` off puts δ_j for f(δ_j) in the lines of
+u, `damping_in_contact_only` drops c_j δ_j′ where f(δ_j) is 0. P34 is written in its mirror image, so that both loads
+close their mesh; the shaft then twists by θ2 + θ3.
 """
 
 from dataclasses import dataclass
@@ -41,6 +45,22 @@ class Coefficients:
     """c_j, (2,)."""
     half_backlash: Array
     """b_j/(2·b_c), (2,)."""
+    shaft_direction: Array
+    """w_s: the twist of the shaft as an arc at r2, (12,); zero but for u2 and u3."""
+    shaft_reaction: Array
+    """w_s over mass, (12,)."""
+    shaft_stiffness: float
+    """κ_s; 0 without a shaft."""
+    shaft_damping: float
+    """c_s."""
+    eccentricity: Array
+    """Amplitude of each gear's own error over b_c, (4,)."""
+    eccentricity_phase: Array
+    """Its phase at mesh phase 0, rad, (4,)."""
+    shaft_turns: Array
+    """Revolutions of each gear in a mesh period of P12, (4,)."""
+    backlash_in_torsion: bool
+    damping_in_contact_only: bool
     force_unit: float
     """k̄_12·b_c: the force that 1 stands for, N."""
     length_unit: float
@@ -50,8 +70,8 @@ class Coefficients:
 def coefficients(train: GearTrain) -> Coefficients:
     """Return the dimensionless coefficients of `train`, with its torques scaled by its `load_scale`.
 
-    T1 and T2 are the static torques of the P12 mesh and T3 and T4 those of P34, because as printed (10)-(13) know no
-    shaft between s2 and s3.
+    Without a shaft T1 and T2 are the static torques of P12, T3 and T4 those of P34, as (10)-(13) are printed. With one
+    T2 and T3 are inner torques, which the shaft carries.
     """
     omega, first = train.derived_time_scale, train.meshes[0]
     mean = first.mean_model_stiffness
@@ -64,6 +84,11 @@ def coefficients(train: GearTrain) -> Coefficients:
     forces = np.array(train.static_forces(1.0)) * train.model.load_scale / (mean * scale)
     torque = np.zeros(COORDINATES)
     torque[[2, 5]], torque[[8, 11]] = forces[0], forces[1]
+    shaft = np.zeros(COORDINATES)
+    if train.shaft.couples:
+        torque[[5, 8]] = 0.0
+        shaft[5], shaft[8] = 1.0, train.gears[1].base_radius / train.gears[2].base_radius
+    shaft_stiffness, shaft_damping = _shaft(train)
     return Coefficients(
         stiffness=ratios / mean / inertia,
         damping=dampings * omega / mean / inertia,
@@ -72,31 +97,68 @@ def coefficients(train: GearTrain) -> Coefficients:
         drive=torque / inertia,
         mesh_damping=np.array([m.damping * omega / mean for m in train.meshes]),
         half_backlash=np.array([m.backlash / 2 / scale for m in train.meshes]),
+        shaft_direction=shaft,
+        shaft_reaction=shaft / inertia,
+        shaft_stiffness=shaft_stiffness / mean,
+        shaft_damping=shaft_damping * omega / mean,
+        eccentricity=np.array([g.eccentricity / scale for g in train.gears]),
+        eccentricity_phase=np.array([g.eccentricity_phase for g in train.gears]),
+        shaft_turns=np.array([mesh_rate(train, i // 2) / g.teeth for i, g in enumerate(train.gears)]),
+        backlash_in_torsion=train.variant.backlash_in_torsion,
+        damping_in_contact_only=train.variant.damping_in_contact_only,
         force_unit=mean * scale,
         length_unit=scale,
     )
+
+
+def mesh_rate(train: GearTrain, index: int) -> float:
+    """Return the mesh frequency of mesh `index` (0 or 1) over that of P12."""
+    return 1.0 if index == 0 else train.gears[2].teeth / train.gears[1].teeth
 
 
 def static_state(train: GearTrain, load: float) -> Array:
     """Return the state, (24,), at rest under `load` (T4, N·m) with every mesh at its mean stiffness and no error.
 
     At zero load the teeth rest in the middle of the backlash, and near it under a load that torsional supports carry
-    before the backlash closes. Solves the linear balance exactly, on the loaded flank or free of it.
+    before the backlash closes. Solves the linear balance exactly for each choice of loaded flanks, and takes the first
+    that is consistent with itself. Where nothing holds the train against turning as a whole, the rest nearest to zero.
     """
     c = coefficients(train)
+    kappa = np.array([m.mean_model_stiffness for m in train.meshes]) / train.meshes[0].mean_model_stiffness
     state = np.zeros(2 * COORDINATES)
-    mean = train.meshes[0].mean_model_stiffness
-    for j, mesh in enumerate(train.meshes):
-        own = slice(PER_MESH * j, PER_MESH * (j + 1))
-        stiffness, w, push, half = c.stiffness[own], c.direction[own], load * c.drive[own], c.half_backlash[j]
-        free = np.divide(push, stiffness, out=np.zeros(PER_MESH), where=stiffness > 0)
-        if np.all(stiffness[push != 0] > 0) and abs(w @ free) <= half:  # the supports alone carry so small a load
-            state[own] = free
-            continue
-        reaction = mesh.mean_model_stiffness / mean * c.reaction[own]
-        right = push + np.sign(load) * half * reaction
-        state[own] = np.linalg.lstsq(np.diag(stiffness) + np.outer(reaction, w), right, rcond=None)[0]
+    for touching in ((1, 1), (1, 0), (0, 1), (0, 0)):
+        q = _balance(c, kappa, load, np.array(touching, dtype=float))
+        closing = (c.direction * q).reshape(2, PER_MESH).sum(axis=1) * (np.sign(load) or 1.0)
+        slack = 1e-9 * (1 + np.abs(closing))
+        consistent = np.where(touching, closing >= c.half_backlash - slack, np.abs(closing) <= c.half_backlash + slack)
+        if consistent.all():
+            break
+    state[:COORDINATES] = q
     return state
+
+
+def _balance(c: Coefficients, kappa: Array, load: float, touching: Array) -> Array:
+    """Return the coordinates, (12,), that balance `load` with the given meshes on their loaded flank."""
+    matrix = np.diag(c.stiffness) + c.shaft_stiffness * np.outer(c.shaft_reaction, c.shaft_direction)
+    right = load * c.drive
+    for j in range(2):
+        own = slice(PER_MESH * j, PER_MESH * (j + 1))
+        torsional = np.arange(PER_MESH) % 3 == 2
+        sprung, offset = np.full(PER_MESH, touching[j]), np.full(PER_MESH, touching[j])
+        if not c.backlash_in_torsion:  # the printed torsional lines have no dead zone
+            sprung[torsional], offset[torsional] = 1.0, 0.0
+        pull = kappa[j] * c.reaction[own]
+        matrix[own, own] += np.outer(pull * sprung, c.direction[own])
+        right[own] += np.sign(load) * c.half_backlash[j] * pull * offset
+    return np.asarray(np.linalg.lstsq(matrix, right, rcond=None)[0], dtype=float)
+
+
+def _shaft(train: GearTrain) -> tuple[float, float]:
+    """Return stiffness (N/m) and damping (N·s/m) of the shaft, both as seen along the base circle of s2."""
+    _, s2, s3, _ = train.gears
+    stiffness = train.shaft.stiffness / s2.base_radius**2
+    inertia = s2.inertia * s3.inertia / (s2.inertia + s3.inertia) / s2.base_radius**2
+    return stiffness, 2 * train.shaft.damping_ratio * sqrt(stiffness * inertia)
 
 
 def _direction(mesh: Mesh) -> Array:

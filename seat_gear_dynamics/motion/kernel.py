@@ -3,7 +3,7 @@
 (20) as printed lacks its factor 1/6 (an erratum): y + h/6·(k1 + 2·k2 + 2·k3 + k4) is the method, and is used.
 """
 
-from math import isfinite, log, pi, sqrt
+from math import cos, isfinite, log, pi, sin, sqrt
 from typing import NamedTuple
 
 import numpy as np
@@ -31,6 +31,13 @@ class Equations(NamedTuple):
     drive: Array
     mesh_damping: Array
     half_backlash: Array
+    shaft_direction: Array
+    shaft_reaction: Array
+    shaft_stiffness: float
+    shaft_damping: float
+    coupled: bool
+    backlash_in_torsion: bool
+    damping_in_contact_only: bool
 
 
 class Grid(NamedTuple):
@@ -43,6 +50,10 @@ class Grid(NamedTuple):
     levels: int
     cycle: int
     longest_step: float
+    eccentric: bool
+    eccentricity: Array
+    eccentricity_phase: Array
+    shaft_turns: Array
 
 
 class Segment(NamedTuple):
@@ -63,7 +74,13 @@ def _rates(
     """Fill dy = dy/dτ and dz = Jacobian·z; mesh[j] = (δ, δ′, force, in contact) of each mesh.
 
     f(δ) is continuous, so the tangent needs no jump where contact changes; its slope is κ in contact and 0 out of it.
+    Only where damping acts in contact alone the force jumps, and this tangent lacks the jump's share.
     """
+    twist = d_twist = 0.0
+    if eq.coupled:
+        for i in range(5, 9, 3):  # u2 and u3
+            twist += eq.shaft_direction[i] * (eq.shaft_stiffness * y[i] + eq.shaft_damping * y[i + 12])
+            d_twist += eq.shaft_direction[i] * (eq.shaft_stiffness * z[i] + eq.shaft_damping * z[i + 12])
     for j in range(2):
         o = 6 * j
         delta, speed = -row[j, 1], -row[j, 2] * rate
@@ -80,6 +97,8 @@ def _rates(
         elif delta < -half:
             beyond, contact = delta + half, 1.0
         kappa, c = row[j, 0], eq.mesh_damping[j]
+        if eq.damping_in_contact_only:
+            c *= contact
         force = kappa * beyond + c * speed
         d_force = kappa * contact * d_delta + c * d_speed
         mesh[j, 0], mesh[j, 1], mesh[j, 2], mesh[j, 3] = delta, speed, force, contact
@@ -89,6 +108,14 @@ def _rates(
             k, b, g = eq.stiffness[i], eq.damping[i], eq.reaction[i]
             dy[i + 12] = load * eq.drive[i] - k * y[i] - b * y[i + 12] - g * force
             dz[i + 12] = -k * z[i] - b * z[i + 12] - g * d_force
+        if not eq.backlash_in_torsion:  # what δ has over f(δ), on the lines of u
+            for i in range(o + 2, o + 6, 3):
+                dy[i + 12] -= eq.reaction[i] * kappa * (delta - beyond)
+                dz[i + 12] -= eq.reaction[i] * kappa * (1.0 - contact) * d_delta
+    if eq.coupled:
+        for i in range(5, 9, 3):
+            dy[i + 12] -= eq.shaft_reaction[i] * twist
+            dz[i + 12] -= eq.shaft_reaction[i] * d_twist
 
 
 @njit(cache=True, error_model="numpy")
@@ -102,16 +129,23 @@ def _look_up(row: Array, grid: Grid, level: int, half: int) -> None:
         row[0, k] = grid.first[i1, k]
         row[1, k] = grid.second[i2, k]
     row[1, 2] *= grid.base / grid.base_second  # P34's phase runs slower than P12's, to whose rate slopes are taken
+    if grid.eccentric:
+        periods = half / n1
+        for gear in range(4):
+            angle = 2 * pi * periods * grid.shaft_turns[gear] + grid.eccentricity_phase[gear]
+            row[gear // 2, 1] += grid.eccentricity[gear] * sin(angle)
+            row[gear // 2, 2] += 2 * pi * grid.shaft_turns[gear] * grid.eccentricity[gear] * cos(angle)
 
 
 @njit(cache=True, error_model="numpy")
-def _renormalise(z: Array, growth: Array) -> None:
-    """Scale each pair's tangent to length 1 and add the logarithm of what it had grown by."""
+def _renormalise(z: Array, growth: Array, coupled: bool) -> None:
+    """Scale the tangent to length 1 and add the logarithm of what it had grown by: each pair's own, or the train's."""
+    squares = np.zeros(2)
     for j in range(2):
-        total = 0.0
         for i in range(6 * j, 6 * j + 6):
-            total += z[i] * z[i] + z[i + 12] * z[i + 12]
-        norm = sqrt(total)
+            squares[j] += z[i] * z[i] + z[i + 12] * z[i + 12]
+    for j in range(2):
+        norm = sqrt(squares[0] + squares[1]) if coupled else sqrt(squares[j])
         if norm > 0.0 and isfinite(norm):
             growth[j] += log(norm)
             for i in range(6 * j, 6 * j + 6):
@@ -174,7 +208,7 @@ def _record(sections: Array, recorded: Index, tau: float, mesh: Array, growth: A
     recorded[0] = r + 1
 
 
-@njit(cache=True, error_model="numpy")
+@njit(cache=True, error_model="numpy", nogil=True)
 def march(
     y: Array,
     z: Array,
@@ -239,13 +273,13 @@ def march(
         place[0] = (place[0] + moved) % grid.cycle
         place[1] += 1
         if moved != 0 and place[0] % period == 0:
-            _renormalise(z, growth)
+            _renormalise(z, growth, eq.coupled)
             place[1] = 0
             _look_up(row, grid, level, 2 * (place[0] >> (finest - level)))
             _rates(y, z, row, rate, load, eq, k1, j1, mesh)
             _record(sections, recorded, clock[0], mesh, growth)
         elif place[1] >= _RENORMALISE:
-            _renormalise(z, growth)
+            _renormalise(z, growth, eq.coupled)
             place[1] = 0
     return FINISHED
 

@@ -92,9 +92,34 @@ class March:
         self.force_unit = c.force_unit
         self.length_unit = c.length_unit
         self._equations = kernel.Equations(
-            c.stiffness, c.damping, c.direction, c.reaction, c.drive, c.mesh_damping, c.half_backlash
+            c.stiffness,
+            c.damping,
+            c.direction,
+            c.reaction,
+            c.drive,
+            c.mesh_damping,
+            c.half_backlash,
+            c.shaft_direction,
+            c.shaft_reaction,
+            c.shaft_stiffness,
+            c.shaft_damping,
+            train.shaft.couples,
+            c.backlash_in_torsion,
+            c.damping_in_contact_only,
         )
-        self._grid = kernel.Grid(t.first, t.second, t.base, t.base_second, LEVELS, t.cycle, longest_step)
+        self._grid = kernel.Grid(
+            t.first,
+            t.second,
+            t.base,
+            t.base_second,
+            LEVELS,
+            t.cycle,
+            longest_step,
+            bool(c.eccentricity.any()),
+            c.eccentricity,
+            c.eccentricity_phase,
+            c.shaft_turns,
+        )
         self.steps_per_period = t.base
         self.restart(load)
 

@@ -14,6 +14,7 @@ from seat_gear_dynamics.motion.coefficients import (
     PER_MESH,
     Coefficients,
     coefficients,
+    mesh_rate,
     static_state,
 )
 
@@ -42,8 +43,8 @@ class OperatingPoint:
 class System:
     """The equations of motion (14)-(19) of a gear train at an operating point, with f(δ) in every line.
 
-    The printed torsional lines carry δ where the others carry f(δ); energy would then not be conserved at separation,
-    so f(δ) is taken throughout (digest, erratum 5). Damping acts always, also out of contact, as printed.
+    The train's `variant` and `shaft` say which reading of them: f(δ) or δ in the torsional lines, damping always or in
+    contact only, pairs apart as printed or coupled by the shaft of s2 and s3.
     """
 
     train: GearTrain
@@ -57,7 +58,7 @@ class System:
     @cached_property
     def mesh_rates(self) -> tuple[float, float]:
         """Mesh frequencies of P12 and P34 over that of P12: 1 and z3/z2."""
-        return 1.0, self.train.gears[2].teeth / self.train.gears[1].teeth
+        return mesh_rate(self.train, 0), mesh_rate(self.train, 1)
 
     def at(self, *, frequency: float | None = None, speed: float | None = None, load: float | None = None) -> "System":
         """Return the system at another operating point.
@@ -90,9 +91,10 @@ class System:
         if y.shape != (2 * COORDINATES,):
             raise ValueError(f"The state has shape {y.shape}, expected (24,): {', '.join(STATE_NAMES[:3])}, ….")
         c, (q, v) = self.coefficients, (y[:COORDINATES], y[COORDINATES:])
-        force = np.repeat(self.mesh_forces(t, y), PER_MESH)
-        acceleration = self.operating_point.load * c.drive - c.stiffness * q - c.damping * v - c.reaction * force
-        return np.concatenate([v, acceleration])
+        acceleration = self.operating_point.load * c.drive - c.stiffness * q - c.damping * v
+        acceleration -= c.reaction * np.concatenate([np.tile(line, 2) for line in self._line_forces(t, y)])
+        twist = c.shaft_stiffness * (c.shaft_direction @ q) + c.shaft_damping * (c.shaft_direction @ v)
+        return np.concatenate([v, acceleration - c.shaft_reaction * twist])
 
     def deflections(self, t: float, state: ArrayLike) -> tuple[Array, Array]:
         """Return (δ_j/b_c, its rate per τ) of both meshes, each of shape (2,)."""
@@ -103,18 +105,36 @@ class System:
         errors = [m.transmission_error for m in self.train.meshes]
         e = np.array([float(series.value(p)) for series, p in zip(errors, phases, strict=True)])
         slope = np.array([float(series.derivative(p)) for series, p in zip(errors, phases, strict=True)])
-        return closing[:2] - e / c.length_unit, closing[2:] - slope * rates / c.length_unit
+        runout, runout_slope = self._runout(t)
+        return (
+            closing[:2] - e / c.length_unit - runout,
+            closing[2:] - slope * rates / c.length_unit - runout_slope * rates[0],
+        )
 
     def mesh_forces(self, t: float, state: ArrayLike) -> Array:
         """Return the dimensionless mesh forces κ·f(δ) + c·δ′ of P12 and P34, shape (2,); times `force_unit` is N."""
+        return np.asarray(self._line_forces(t, np.asarray(state, dtype=float))[:, 0])
+
+    def _line_forces(self, t: float, y: Array) -> Array:
+        """Return what each mesh pulls with in the lines of x, y and u, shape (2, 3); they differ only as printed."""
         c = self.coefficients
-        delta, rate = self.deflections(t, state)
+        delta, rate = self.deflections(t, y)
         beyond = delta - np.clip(delta, -c.half_backlash, c.half_backlash)  # f(δ) of (1)
         mean = self.train.meshes[0].mean_model_stiffness
-        kappa = [
-            float(m.stiffness.value(p)) / mean for m, p in zip(self.train.meshes, self.mesh_phases(t), strict=True)
-        ]
-        return np.array(kappa) * beyond + c.mesh_damping * rate
+        phases = self.mesh_phases(t)
+        kappa = np.array([float(m.stiffness.value(p)) / mean for m, p in zip(self.train.meshes, phases, strict=True)])
+        damper = c.mesh_damping * rate
+        if c.damping_in_contact_only:
+            damper = np.where(beyond == 0, 0.0, damper)
+        torsional = beyond if c.backlash_in_torsion else delta
+        return np.column_stack([kappa * beyond + damper, kappa * beyond + damper, kappa * torsional + damper])
+
+    def _runout(self, t: float) -> tuple[Array, Array]:
+        """Return each mesh's error by eccentric gears over b_c, and its slope per mesh period of P12, each (2,)."""
+        c = self.coefficients
+        angle = c.shaft_turns * self.operating_point.frequency * t + c.eccentricity_phase
+        value, slope = c.eccentricity * np.sin(angle), 2 * pi * c.shaft_turns * c.eccentricity * np.cos(angle)
+        return value.reshape(2, 2).sum(axis=1), slope.reshape(2, 2).sum(axis=1)
 
     def mesh_phases(self, t: float) -> Array:
         """Return the mesh phases of P12 and P34 in [0, 1) at dimensionless time `t`, shape (2,)."""

@@ -33,17 +33,18 @@ class Tables:
     """Steps per P12 period on level 0."""
     base_second: int
     """Steps per P34 period on level 0, when both advance together."""
+    hunting: int
+    """P12 periods after which all four gears are back where they were: the same teeth touch, at the same runout."""
 
     @property
     def cycle(self) -> int:
-        """Finest steps after which both meshes are back where they were."""
-        finest = 1 << (LEVELS - 1)
-        return finest * lcm(self.base, self.base_second)
+        """Finest steps in a hunting cycle."""
+        return self.hunting * (self.base << (LEVELS - 1))
 
 
 def tables(train: GearTrain, *, target_steps: int = TARGET_STEPS) -> Tables:
     """Return the tables of `train` with at least `target_steps` steps per P12 period on the coarsest grid."""
-    _, s2, s3, _ = train.gears
+    s1, s2, s3, s4 = train.gears
     p, q = s3.teeth // gcd(s2.teeth, s3.teeth), s2.teeth // gcd(s2.teeth, s3.teeth)
     base = p * -(-target_steps // p)
     base_second = base * q // p
@@ -60,4 +61,6 @@ def tables(train: GearTrain, *, target_steps: int = TARGET_STEPS) -> Tables:
         )
         return np.ascontiguousarray(np.column_stack(columns))
 
-    return Tables(mesh_table(0, base), mesh_table(1, base_second), base, base_second)
+    turn_of_s4 = s2.teeth * s4.teeth // gcd(s2.teeth * s4.teeth, s3.teeth)  # in whole P12 periods
+    hunting = lcm(s1.teeth, s2.teeth, turn_of_s4)
+    return Tables(mesh_table(0, base), mesh_table(1, base_second), base, base_second, hunting)

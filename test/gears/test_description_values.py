@@ -13,11 +13,20 @@ from hypothesis import strategies as st
 
 from seat_gear_dynamics.gears import DescriptionError, GearTrain, load_train
 from seat_gear_dynamics.gears.description import parse_train
-from seat_gear_dynamics.gears.schema import BAND_KEYS, GEAR_KEYS, MESH_KEYS, MODEL_KEYS, PROVENANCES
+from seat_gear_dynamics.gears.schema import (
+    BAND_KEYS,
+    GEAR_KEYS,
+    MESH_KEYS,
+    MODEL_KEYS,
+    PROVENANCES,
+    SHAFT_KEYS,
+    VARIANT_KEYS,
+)
 
 Document = dict[str, Any]
 
 PATHS = sorted(load_train().provenance)
+FLAGS = [p for p in PATHS if p.endswith(".scale_to_mean") or p.startswith("variant.")]
 SHARED = settings(max_examples=40, deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture])
 
 
@@ -37,7 +46,8 @@ def changed(packaged: Document, path: str, value: object) -> str:
 
 def test_every_parameter_of_the_packaged_description_has_its_provenance(packaged: Document) -> None:
     bands = len(packaged["bands"])
-    assert len(PATHS) == 4 * len(GEAR_KEYS) + 2 * len(MESH_KEYS) + len(MODEL_KEYS) + bands * len(BAND_KEYS)
+    once = len(SHAFT_KEYS) + len(VARIANT_KEYS) + len(MODEL_KEYS)
+    assert len(PATHS) == 4 * len(GEAR_KEYS) + 2 * len(MESH_KEYS) + once + bands * len(BAND_KEYS)
     for path, provenance in load_train().provenance.items():
         assert provenance.kind in PROVENANCES
         assert len(provenance.source) > 3
@@ -56,7 +66,7 @@ def test_no_parameter_takes_what_is_not_a_finite_value(packaged: Document, path:
 
 
 @SHARED
-@given(st.sampled_from([p for p in PATHS if not p.endswith((".scale_to_mean", ".error_phase"))]))
+@given(st.sampled_from([p for p in PATHS if p not in FLAGS and not p.endswith("_phase")]))
 def test_no_parameter_but_a_phase_may_be_negative(packaged: Document, path: str) -> None:
     listed = isinstance(entry(packaged, path)["value"], list)
     with pytest.raises(DescriptionError) as caught:
@@ -65,7 +75,7 @@ def test_no_parameter_but_a_phase_may_be_negative(packaged: Document, path: str)
 
 
 @SHARED
-@given(st.sampled_from([p for p in PATHS if not p.endswith(".scale_to_mean")]), st.booleans())
+@given(st.sampled_from([p for p in PATHS if p not in FLAGS]), st.booleans())
 def test_true_and_false_are_no_numbers(packaged: Document, path: str, value: bool) -> None:
     with pytest.raises(DescriptionError) as caught:
         parse_train(changed(packaged, path, value))
@@ -169,3 +179,11 @@ def test_base_radius_may_be_rounded_by_one_per_cent_and_no_more(packaged: Docume
     else:
         with pytest.raises(DescriptionError, match=r"^gears\.s1\.base_radius"):
             parse_train(text)
+
+
+@pytest.mark.parametrize(("word", "expected"), [("published", 1861.3), ("derived", 1.1594e5)])
+def test_the_time_scale_may_be_named(document: Document, word: str, expected: float) -> None:
+    entry(document, "model.time_scale")["value"] = word
+    train = parse_train(yaml.safe_dump(document, allow_unicode=True))
+    assert train.model.time_scale == pytest.approx(expected, rel=2e-4)  # both are known to four digits
+    assert train.with_time_scale("published").with_time_scale(word) == train  # type: ignore[arg-type]

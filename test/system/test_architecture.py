@@ -9,7 +9,7 @@ import pytest
 ROOT = Path(__file__).parents[2]
 PACKAGE = ROOT / "seat_gear_dynamics"
 ROOMS = sorted(path.name for path in PACKAGE.iterdir() if path.is_dir() and path.name != "__pycache__")
-PURE = ("gears", "motion", "regimes", "sensing", "bench")
+PURE = ("gears", "motion", "regimes", "studies", "sensing", "bench")
 
 
 def drawn() -> dict[str, set[str]]:

@@ -1,0 +1,1 @@
+"""Questions asked of the model: harmonic balance, Taguchi, calibration, contact verification, the paper's claims."""
