@@ -16,6 +16,7 @@ COMMANDS = {
     "simulator": "node",
     "simulate": "simulate",
     "stiffness": "stiffness",
+    "taguchi": "taguchi",
     "analyze": "analyze",
     "replay": "replay",
 }

@@ -1,0 +1,61 @@
+"""The main effects of a Taguchi study: mean signal-to-noise ratio against the levels of each factor."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Any
+
+from seat_gear_dynamics.views.figures.style import LINE_COLOURS, Axes, new_figure
+
+_KEPT, _POOLED, _BEST = LINE_COLOURS[0], "#9A9A9A", LINE_COLOURS[1]
+
+
+@dataclass(frozen=True)
+class MainEffect:
+    """What one panel shows."""
+
+    name: str
+    unit: str
+    levels: Sequence[float]
+    """Values of the levels in `unit`, shape (n,)."""
+    ratios: Sequence[float]
+    """Mean ratio of each level, dB, shape (n,)."""
+    contribution: float
+    """Share of the total sum of squares, 0 to 1."""
+    pooled: bool
+    """True for a factor that is counted into the error; drawn grey and broken."""
+
+
+def main_effects(effects: Sequence[MainEffect], *, mean: float, title: str) -> Any:
+    """Return a figure with one panel for each factor, on one scale of dB; the best level is ringed.
+
+    `mean` is the overall mean ratio, dB. Levels stand at equal distances, whatever their values. Raises ValueError
+    without an effect, and where an effect has not as many ratios as levels.
+    """
+    if not effects:
+        raise ValueError("There are 0 effects to draw, expected at least 1.")
+    for effect in effects:
+        if len(effect.levels) != len(effect.ratios):
+            raise ValueError(
+                f"{effect.name} has {len(effect.levels)} levels and {len(effect.ratios)} ratios; expected as many."
+            )
+    width = max(4.0, 1.5 * len(effects))
+    figure, axes = new_figure(1, len(effects), width=width, height=3.2, sharey=True, squeeze=False)
+    for panel, effect in zip(axes[0], effects, strict=True):
+        _draw(panel, effect, mean)
+    axes[0][0].set_ylabel("mean S/N ratio (dB)")
+    figure.suptitle(title, fontsize=10, fontweight="bold")
+    figure.supxlabel("level of the factor; above: share of the sum of squares; ringed: best level", fontsize=8)
+    return figure
+
+
+def _draw(panel: Axes, effect: MainEffect, mean: float) -> None:
+    places = range(len(effect.levels))
+    best = max(places, key=lambda place: effect.ratios[place])
+    colour = _POOLED if effect.pooled else _KEPT
+    panel.axhline(mean, color="#000000", linewidth=0.8, linestyle=":")
+    panel.plot(places, effect.ratios, color=colour, linestyle="--" if effect.pooled else "-", marker="o", markersize=4)
+    panel.plot(best, effect.ratios[best], marker="o", markersize=10, markerfacecolor="none", color=_BEST)
+    panel.set_xticks(list(places), [f"{value:.4g}" for value in effect.levels])
+    panel.set_xlim(-0.4, len(effect.levels) - 0.6)
+    panel.set_xlabel(f"{effect.name}\n({effect.unit})")
+    panel.set_title(f"{effect.contribution:.1%}{' pooled' if effect.pooled else ''}", fontweight="normal", fontsize=9)
