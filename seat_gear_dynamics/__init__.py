@@ -9,7 +9,9 @@ from typing import TYPE_CHECKING, Any
 if TYPE_CHECKING:
     from seat_gear_dynamics.motion import System as System
     from seat_gear_dynamics.motion import load_system as load_system
+    from seat_gear_dynamics.regimes import RegimeMap as RegimeMap
     from seat_gear_dynamics.regimes import simulate as simulate
+    from seat_gear_dynamics.regimes import sweep as sweep
     from seat_gear_dynamics.sensing import Alarm as Alarm
     from seat_gear_dynamics.sensing import VirtualSensor as VirtualSensor
 
@@ -18,11 +20,13 @@ __version__ = "0.1.0"
 _ROOMS = {
     "System": "motion",
     "load_system": "motion",
+    "RegimeMap": "regimes",
     "simulate": "regimes",
+    "sweep": "regimes",
     "Alarm": "sensing",
     "VirtualSensor": "sensing",
 }
-__all__ = ["Alarm", "System", "VirtualSensor", "__version__", "load_system", "simulate"]
+__all__ = ["Alarm", "RegimeMap", "System", "VirtualSensor", "__version__", "load_system", "simulate", "sweep"]
 
 
 def __getattr__(name: str) -> Any:

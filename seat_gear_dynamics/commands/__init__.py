@@ -16,6 +16,8 @@ COMMANDS = {
     "simulator": "node",
     "simulate": "simulate",
     "stiffness": "stiffness",
+    "sweep": "sweep",
+    "map": "map",
     "taguchi": "taguchi",
     "analyze": "analyze",
     "replay": "replay",

@@ -6,12 +6,13 @@ Slow drives need more steps a period to keep the step short in time: level l div
 """
 
 from dataclasses import dataclass
+from functools import lru_cache
 from math import gcd, lcm
 
 import numpy as np
 from numpy.typing import NDArray
 
-from seat_gear_dynamics.gears import GearTrain
+from seat_gear_dynamics.gears import GearTrain, PeriodicSeries
 
 Array = NDArray[np.float64]
 
@@ -49,18 +50,26 @@ def tables(train: GearTrain, *, target_steps: int = TARGET_STEPS) -> Tables:
     base = p * -(-target_steps // p)
     base_second = base * q // p
     mean, length = train.meshes[0].mean_model_stiffness, train.model.displacement_scale
-
-    def mesh_table(index: int, steps: int) -> Array:
-        mesh = train.meshes[index]
-        phase = np.concatenate([np.arange(2 * steps * 2**level) / (2 * steps * 2**level) for level in range(LEVELS)])
-        error = mesh.transmission_error
-        columns = (
-            mesh.stiffness.value(phase) / mean,
-            error.value(phase) / length,
-            error.derivative(phase) / length,
-        )
-        return np.ascontiguousarray(np.column_stack(columns))
-
+    first, second = (
+        _mesh_table(mesh.stiffness, mesh.transmission_error, steps, mean, length)
+        for mesh, steps in zip(train.meshes, (base, base_second), strict=True)
+    )
     turn_of_s4 = s2.teeth * s4.teeth // gcd(s2.teeth * s4.teeth, s3.teeth)  # in whole P12 periods
     hunting = lcm(s1.teeth, s2.teeth, turn_of_s4)
-    return Tables(mesh_table(0, base), mesh_table(1, base_second), base, base_second, hunting)
+    return Tables(first, second, base, base_second, hunting)
+
+
+@lru_cache(maxsize=32)
+def _mesh_table(
+    stiffness: PeriodicSeries, error: PeriodicSeries, steps: int, mean_stiffness: float, length_unit: float
+) -> Array:
+    """Return one mesh's table, all levels one after the other; kept, as sweeps ask for the same one at every point."""
+    phase = np.concatenate([np.arange(2 * steps * 2**level) / (2 * steps * 2**level) for level in range(LEVELS)])
+    columns = (
+        stiffness.value(phase) / mean_stiffness,
+        error.value(phase) / length_unit,
+        error.derivative(phase) / length_unit,
+    )
+    table = np.ascontiguousarray(np.column_stack(columns))
+    table.setflags(write=False)
+    return table
