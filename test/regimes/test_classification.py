@@ -1,6 +1,7 @@
 """Classifying systems whose regime is known from the literature."""
 
 from math import cos, log, pi
+from unittest.mock import Mock
 
 import numpy as np
 import pytest
@@ -8,7 +9,10 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from numpy.typing import NDArray
 
-from seat_gear_dynamics.regimes import Regime, classify
+from seat_gear_dynamics.regimes import Regime, classification, classify
+from seat_gear_dynamics.regimes.classification import SHORTEST_RECORD, warm_up
+from seat_gear_dynamics.regimes.pieces import pieces
+from seat_gear_dynamics.regimes.zero_one import zero_one
 
 Array = NDArray[np.float64]
 
@@ -191,3 +195,125 @@ def test_duffings_oscillator_takes_the_published_road_to_chaos(forcing: float, n
     # Volume shrinks by exp(−0.3·period), so no exponent of a periodic motion is below −0.3.
     assert regime.lyapunov is not None
     assert -0.3 < regime.lyapunov < 1
+
+
+@pytest.mark.parametrize(
+    ("r", "bands", "label"), [(3.575, 4, "4-band chaos"), (3.6, 2, "2-band chaos"), (3.8, 1, "chaos")]
+)
+def test_chaos_is_given_with_its_bands(r: float, bands: int, label: str) -> None:
+    # Bands merge at 3.5926 and 3.6786 (Grossmann & Thomae 1977).
+    regime = classify(*logistic(800, r), 1.0)
+    assert (regime.name, regime.pieces, regime.label) == ("chaotic", bands, label)
+    assert ("bands" in regime.reason) == (bands > 1)
+
+
+def test_labels_are_the_literatures_short_forms() -> None:
+    assert classify(*logistic(400, 3.2), 1.0).label == "period-2"
+    assert classify(*rotation(400), 1.0).label == "quasi-period-1"
+    assert classify(*rotation(10), 1.0).label == "undecided"
+
+
+@pytest.mark.parametrize("interval", [1.0, 10.0])
+@pytest.mark.parametrize("points", [400, 1200])
+def test_the_accumulation_point_of_doublings_is_nothing_that_has_a_name(points: int, interval: float) -> None:
+    # r∞ = 3.5699456718 (Feigenbaum 1978): no period, exponent zero, a Cantor set of points and no curve.
+    regime = classify(*logistic(points, 3.5699456718), interval)
+    assert regime.name == "undecided"
+    assert regime.lyapunov == pytest.approx(0, abs=0.02)
+
+
+@pytest.mark.parametrize("r", [3.5699456718, 3.571, 3.575, 3.6, 3.7, 3.9])
+def test_chaos_too_slow_to_be_told_from_zero_is_undecided_and_never_quasi_periodic(r: float) -> None:
+    # Over 200 units of time a period the exponent of any of these is below 0.0025.
+    regime = classify(*logistic(600, r), 200.0)
+    assert regime.name == "undecided"
+    assert regime.lyapunov is not None
+    assert regime.lyapunov < 0.005
+
+
+def test_a_half_that_looks_quasi_periodic_by_chance_does_not_outweigh_the_0_1_test_of_the_whole() -> None:
+    # About one stretch of 240 points of this chaos in two hundred has averages that agree as a torus's do.
+    section, growth = (values[3461:3941] for values in logistic(4000, 3.6))
+    assert classify(section[240:], growth[240:], 200.0).name == "quasi-periodic"
+    whole = classify(section, growth, 200.0)
+    assert whole.name == "undecided"
+    assert whole.zero_one == pytest.approx(1, abs=0.1)
+
+
+def test_a_period_of_a_long_lock_is_found_beyond_the_longest_looked_for_by_itself() -> None:
+    # Sixth doubling of the logistic map: 32 points between 3.5688 and 3.5697.
+    regime = classify(*logistic(400, 3.5692), 1.0)
+    assert (regime.name, regime.period) == ("periodic", 32)
+
+
+def test_a_motion_that_recurs_while_its_tangent_grows_is_undecided() -> None:
+    # The fixed point 1 − 1/r of the logistic map, held by rounding alone for some fifty steps.
+    regime = classify(np.full((60, 2), 0.75), np.full(60, log(2)), 1.0)
+    assert regime.name == "undecided"
+    assert regime.leans_chaotic
+    assert "recurs after 1 within 0.001 b_c, but exponent 0.6931" in regime.reason
+
+
+def test_chaos_that_ends_within_the_record_is_undecided_and_then_periodic() -> None:
+    chaos, after = logistic(300, 3.9), logistic(400, 3.2)
+    section, growth = (np.concatenate(both) for both in zip(chaos, after, strict=True))
+    growth[300:] = -0.1
+    assert classify(section[:320], growth[:320], 1.0).name == "chaotic"
+    # A quarter of the record is over: the exponent of the whole is still surely positive.
+    still = classify(section[:400], growth[:400], 1.0)
+    assert still.name == "undecided"
+    assert still.leans_chaotic
+    assert "the last 100 points recur after 2: a transient, or intermittency" in still.reason
+    assert still.pieces is None
+    ended = classify(section[200:], growth[200:], 1.0)
+    assert (ended.name, ended.period) == ("periodic", 2)
+    assert ended.reason.startswith("the last 250 of 500 points: recurs after 2")
+    assert ended.lyapunov == pytest.approx(-0.1)
+
+
+def test_an_exponent_barely_sure_is_not_believed_against_averages_that_agree() -> None:
+    # A rotation whose tangent is said to grow: three to six standard errors do not outweigh its closed curve.
+    section, _ = rotation(400)
+    growth = np.repeat([0.1, 0.7, 0.2, 0.6, 0.1, 0.7, 0.2, 0.6], 50)
+    regime = classify(section, growth, 1.0)
+    assert regime.name == "undecided"
+    assert "averages agree to" in regime.reason
+    assert classify(*(np.random.default_rng(0).normal(size=(400, 2)), growth), 1.0).name == "chaotic"
+    assert classify(section, np.full(400, 0.4), 1.0).name == "chaotic"
+
+
+def test_the_same_record_gives_the_same_regime() -> None:
+    section, growth = rotation(300, 0.137 + 1e-5)
+    kept = section.copy()
+    assert classify(section, growth, 1.0) == classify(section, growth, 1.0)
+    assert (section == kept).all()
+
+
+def test_warming_up_goes_through_all_that_is_compiled(monkeypatch: pytest.MonkeyPatch) -> None:
+    tree, walk = Mock(wraps=pieces), Mock(wraps=zero_one)
+    monkeypatch.setattr(classification, "pieces", tree)
+    monkeypatch.setattr(classification, "zero_one", walk)
+    warm_up()
+    assert tree.called
+    assert walk.called
+
+
+@settings(max_examples=60)
+@given(st.integers(0, 10_000), st.integers(SHORTEST_RECORD, 220), st.floats(1e-3, 10), st.floats(0.1, 50))
+def test_any_finite_record_gets_a_name_and_a_reason(seed: int, points: int, size: float, interval: float) -> None:
+    rng = np.random.default_rng(seed)
+    kind = rng.integers(4)
+    section = rng.normal(size=(points, 2))
+    if kind == 1:
+        section = np.cumsum(section, axis=0)
+    elif kind == 2:
+        section[:, 1] = 0
+    elif kind == 3:
+        section = np.round(section)
+    regime = classify(size * section, rng.normal(0, 0.5, points), interval)
+    assert regime.name in ("periodic", "quasi-periodic", "chaotic", "undecided")
+    assert regime.reason
+    assert regime.lyapunov is not None
+    assert (regime.period is not None) == (regime.name == "periodic")
+    assert (regime.pieces is not None) == (regime.name in ("quasi-periodic", "chaotic"))
+    assert (regime.winding is not None) == (regime.name == "quasi-periodic")

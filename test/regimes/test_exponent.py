@@ -8,6 +8,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from seat_gear_dynamics.regimes import largest_exponent
+from seat_gear_dynamics.regimes.exponent import Exponent, weighted_exponent
 
 
 @given(st.floats(-5, 5), st.floats(0.01, 100), st.integers(16, 300))
@@ -49,3 +50,39 @@ def test_the_oldest_growths_are_left_out_where_blocks_do_not_divide_the_record()
 def test_a_record_too_short_for_an_exponent_is_refused() -> None:
     with pytest.raises(ValueError, match=r"of 15 intervals; expected at least 16\."):
         largest_exponent(np.zeros(15), 1.0)
+
+
+def test_growth_that_comes_and_goes_on_a_torus_averages_to_nothing() -> None:
+    # Growth along a torus is the difference of a function of the phase from one point to the next: it adds up to
+    # nothing. Block means miss that by the size of the function over their length, the weighted average does not.
+    stretch = np.log(2 + np.cos(2 * np.pi * (5**0.5 - 1) / 2 * np.arange(401)))
+    blocks, weighted = largest_exponent(np.diff(stretch), 1.0), weighted_exponent(np.diff(stretch), 1.0)
+    assert abs(weighted.value) < 1e-6 > weighted.error
+    assert blocks.error > 1e-4
+
+
+@given(st.floats(-5, 5), st.floats(0.01, 100), st.integers(16, 300))
+def test_steady_growth_is_the_weighted_exponent_without_error(rate: float, interval: float, points: int) -> None:
+    found = weighted_exponent(np.full(points, rate * interval), interval)
+    assert found.value == pytest.approx(rate, rel=1e-9, abs=1e-12)
+    assert found.error == pytest.approx(0, abs=1e-9)
+
+
+def test_the_weighted_exponent_of_noise_is_its_mean_within_the_scatter_of_the_weights() -> None:
+    # The weights' squares make of n growths as much as n/1.96 equal ones: 0.0495, and of 400 records a 20th of that.
+    found = [weighted_exponent(np.random.default_rng(seed).normal(0.3, 1, 800), 1.0).value for seed in range(400)]
+    assert np.mean(found) == pytest.approx(0.3, abs=4 * 0.0495 / 20)
+    assert np.std(found) == pytest.approx(0.0495, rel=0.15)
+
+
+def test_a_record_too_short_for_a_weighted_exponent_is_refused() -> None:
+    with pytest.raises(ValueError, match=r"of 15 intervals; expected at least 16\."):
+        weighted_exponent(np.zeros(15), 1.0)
+
+
+def test_above_and_within_take_the_error_into_account() -> None:
+    assert Exponent(0.1, 0.03).above(0.005, errors=3)
+    assert not Exponent(0.1, 0.04).above(0.005, errors=3)
+    assert Exponent(-0.004, 0.001).within(0.005, errors=3)
+    assert not Exponent(-0.006, 0.001).within(0.005, errors=3)
+    assert not Exponent(0.0, 0.002).within(0.005, errors=3)

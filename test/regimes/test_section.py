@@ -7,6 +7,7 @@ from hypothesis import strategies as st
 from numpy.typing import NDArray
 
 from seat_gear_dynamics.regimes import find_period, recurrence
+from seat_gear_dynamics.regimes.section import Shrinkage, shrinkage
 
 Array = NDArray[np.float64]
 
@@ -80,3 +81,65 @@ def test_recurrence_of_a_line_is_its_step_times_the_period() -> None:
 def test_a_period_outside_the_record_is_refused(period: int) -> None:
     with pytest.raises(ValueError, match=rf"Period {period} was asked of 10 section points; expected 1 to 9\."):
         recurrence(np.zeros((10, 2)), period)
+
+
+@pytest.mark.parametrize("period", [1, 2, 5])
+def test_small_steps_of_a_slow_transient_are_no_period(period: int) -> None:
+    # Each step is within the tolerance, the way of the whole record 0.3.
+    section = cycle(period, 300) + 0.9e-3 * (np.arange(300) // period)[:, None]
+    assert recurrence(section, period) < 1e-3
+    assert find_period(section, tolerance=1e-3) is None
+
+
+def test_a_way_of_twice_the_tolerance_is_where_a_drift_stops_being_a_period() -> None:
+    drift = np.column_stack([np.linspace(0, 1, 200), np.zeros(200)])
+    assert find_period(1.99e-3 * drift, tolerance=1e-3) == 1
+    assert find_period(2.01e-3 * drift, tolerance=1e-3) is None
+
+
+@pytest.mark.parametrize("period", [17, 20, 32, 50])
+def test_longer_periods_are_found_when_asked_for(period: int) -> None:
+    noise = np.random.default_rng(0).uniform(-0.45e-3, 0.45e-3, (200, 2))
+    assert find_period(cycle(period, 200) + noise, tolerance=1e-3, longest=66) == period
+
+
+@pytest.mark.parametrize("radius", [0.3, 0.1, 0.03, 0.01])
+@pytest.mark.parametrize("turns", [(5**0.5 - 1) / 2, 2**0.5 - 1.33, 8 / 95 + 3e-6])
+def test_a_torus_near_a_high_resonance_has_no_long_period(radius: float, turns: float) -> None:
+    # It comes close to its beginning after 89 or 95 points, and closer than the tolerance where it is small.
+    angle = 2 * np.pi * turns * np.arange(400)
+    section = radius * np.column_stack([np.cos(angle), np.sin(angle)])
+    assert find_period(section, tolerance=1e-3, longest=133) is None
+
+
+@given(st.floats(1e-4, 0.1), st.integers(1, 4), st.booleans(), st.integers(200, 400))
+def test_a_geometric_transient_shrinks_at_its_rate_without_error(
+    decay: float, period: int, turning: bool, points: int
+) -> None:
+    index = np.arange(points)
+    angle = 2 * np.pi * 0.3819660113 * index * turning
+    size = np.exp(-decay * index)
+    section = cycle(period, points) + (size * np.array([np.cos(angle), np.sin(angle)])).T
+    found = shrinkage(section, pieces=period)
+    # Below exp(−20) = 2e-9 sizes meet the rounding of points of size 1. Above, they are good to 1e-7, and a line
+    # through them to that over the record. Turning, a part of 25 points or more has a size that depends on the phase it
+    # begins with by up to 0.05, and a line through eight of them changes by up to 0.1 over the record.
+    if decay * points < 20:
+        assert found.rate == pytest.approx(decay, abs=(0.1 if turning else 1e-6) / points)
+
+
+def test_a_torus_keeps_its_size_and_an_unstable_spiral_grows() -> None:
+    angle = 2 * np.pi * 0.3819660113 * np.arange(400)
+    torus = np.column_stack([np.cos(angle), 0.4 * np.sin(angle)])
+    kept = shrinkage(torus)
+    assert abs(kept.rate) < 3 * kept.error < 1e-3
+    assert shrinkage(torus * np.exp(0.004 * np.arange(400))[:, None]).rate == pytest.approx(-0.004, rel=0.02)
+
+
+@pytest.mark.parametrize(("points", "pieces"), [(0, 1), (11, 1), (95, 8)])
+def test_a_record_too_short_for_a_rate_has_an_infinite_error(points: int, pieces: int) -> None:
+    assert shrinkage(np.random.default_rng(0).normal(size=(points, 2)), pieces=pieces) == Shrinkage(0.0, float("inf"))
+
+
+def test_a_constant_does_not_shrink() -> None:
+    assert shrinkage(np.full((100, 2), 3.0)) == Shrinkage(0.0, 0.0)
