@@ -19,7 +19,7 @@ from seat_gear_dynamics.nodes.intake import Intake
 from seat_gear_dynamics.nodes.monitor_health import SolverHealth
 from seat_gear_dynamics.nodes.parameters import Parameter, declare
 from seat_gear_dynamics.nodes.process import StartError, run
-from seat_gear_dynamics.sensing import AlarmSettings, Change, RejectedSampleError, Session
+from seat_gear_dynamics.sensing import AlarmSettings, Change, RejectedSampleError, Session, warm_up
 
 NAME = "gear_monitor"
 
@@ -75,9 +75,7 @@ class Monitor(Node):
         )
         session = Session(train, settings=alarm, max_gap=get("input_timeout"), section_points=get("section_points"))
         self.get_logger().info("compiling the gear model for this machine (seconds once, then cached)")
-        warm_up = Session(train)
-        for k in range(60):  # long enough to come by every path once, the judging of the regime among them
-            warm_up.feed(0.01 * k, 150.0, 0.0)
+        warm_up(train)
         return session
 
     def _publish_on(self) -> None:

@@ -59,6 +59,10 @@ class Simulation:
             "period": self.regime.period,
             "lyapunov": self.regime.lyapunov,
             "lyapunov_error": self.regime.lyapunov_error,
+            "label": self.regime.label,
+            "pieces": self.regime.pieces,
+            "winding": self.regime.winding,
+            "zero_one": self.regime.zero_one,
             "reason": self.regime.reason,
         }
 

@@ -3,7 +3,7 @@
 from seat_gear_dynamics.sensing.alarm import Alarm, AlarmSettings, Level, Verdict
 from seat_gear_dynamics.sensing.reading import Contact, ForceWindow, Reading
 from seat_gear_dynamics.sensing.regime_watch import RegimeWatch
-from seat_gear_dynamics.sensing.session import Change, Session
+from seat_gear_dynamics.sensing.session import Change, Session, warm_up
 from seat_gear_dynamics.sensing.virtual_sensor import RejectedSampleError, VirtualSensor
 
 __all__ = [
@@ -19,4 +19,5 @@ __all__ = [
     "Session",
     "Verdict",
     "VirtualSensor",
+    "warm_up",
 ]

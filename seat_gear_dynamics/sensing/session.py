@@ -6,6 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from seat_gear_dynamics.gears import GearTrain
+from seat_gear_dynamics.regimes import warm_up as warm_up_judgement
 from seat_gear_dynamics.sensing.alarm import Alarm, AlarmSettings, Level, Verdict
 from seat_gear_dynamics.sensing.reading import ForceWindow, Reading
 from seat_gear_dynamics.sensing.virtual_sensor import VirtualSensor
@@ -81,3 +82,14 @@ class Session:
         changed = (verdict.level, verdict.in_band) != (self.verdict.level, self.verdict.in_band)
         self.verdict = verdict
         return Change(reading, verdict, changed)
+
+
+def warm_up(train: GearTrain) -> None:
+    """Run a session and a judgement of its motion for nothing, so that all compiled code is there before it counts.
+
+    Takes seconds the first time on a machine, then a fraction of one: compiled code is kept on disk.
+    """
+    session = Session(train)
+    for k in range(60):  # long enough to come by every path once
+        session.feed(0.01 * k, 150.0, 0.0)
+    warm_up_judgement()
