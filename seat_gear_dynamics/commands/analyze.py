@@ -3,13 +3,19 @@
 import argparse
 import json
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from seat_gear_dynamics.commands.texts import Texts
 
+if TYPE_CHECKING:
+    from seat_gear_dynamics.gears import GearTrain
+    from seat_gear_dynamics.logs.analysis import Analysis
+    from seat_gear_dynamics.regimes import RegimeMap
+
 TEXTS = {
     "analyze": Texts(
-        "report of a recorded run: picture and summary", "seat-gear analyze bags/third_party_bench --output report"
+        "report of a recorded run: one HTML page, figures and tables",
+        "seat-gear analyze bags/third_party_bench --output report",
     )
 }
 
@@ -18,40 +24,116 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Add the command's own arguments."""
     parser.add_argument("log", metavar="LOG", type=Path, help="bag directory or .mcap file")
     parser.add_argument("--output", metavar="DIR", type=Path, help="where the report goes (default: the log's folder)")
+    parser.add_argument("--speed-topic", metavar="T", help="speed of s1 (default: the monitor's input, motor/speed)")
+    parser.add_argument("--load-topic", metavar="T", help="load on s4 (default: the monitor's input, load/torque)")
+    parser.add_argument("--joint", metavar="NAME", help="joint of a JointState topic (default: its first)")
+    parser.add_argument("--speed-unit", default="rad/s", metavar="U", help="rad/s, r/min, Hz or deg/s (default rad/s)")
+    parser.add_argument("--load-unit", default="N·m", metavar="U", help="Nm, mNm or kNm (default Nm)")
+    parser.add_argument("--map", type=Path, metavar="F.npz", help="regime map of `seat-gear map`, a truth for warnings")
+    parser.add_argument("--no-model", action="store_true", help="the log alone: no sweep, map and spectra beside it")
+    parser.add_argument("--parquet", action="store_true", help="tables as Parquet too (needs pyarrow)")
 
 
 def run(arguments: argparse.Namespace) -> int:
-    """Read the log, draw it, print its summary."""
-    values, lines = report(arguments.log, arguments.output, arguments.system)
+    """Analyse, write page, figures and tables, print the summary."""
+    from seat_gear_dynamics.commands.progress import stages
+    from seat_gear_dynamics.logs.analysis import ModelSettings, Source, analyse
+
+    train = _train(arguments.log, arguments.system)
+    source = Source(
+        arguments.speed_topic, arguments.load_topic, arguments.joint, arguments.speed_unit, arguments.load_unit
+    )
+    chart = None if arguments.map is None else _map(arguments.map)
+    with stages(quiet=arguments.json) as tell:
+        found = analyse(
+            arguments.log,
+            train,
+            source=source,
+            model=None if arguments.no_model else ModelSettings(),
+            regime_map=chart,
+            tell=tell,
+        )
+    values, lines = _write(found, _folder(arguments.log, arguments.output), parquet=arguments.parquet)
     print(json.dumps(values) if arguments.json else "\n".join(lines))
     return 0
 
 
 def report(log: Path, output: Path | None, system: str | None) -> tuple[dict[str, Any], list[str]]:
-    """Write report.png for `log`; return the summary as plain values and as lines.
+    """Write the one-page picture report.png for `log`; return the summary as plain values and as lines.
 
     The forbidden bands are those of `system`, or of the description that the log keeps, or the packaged one's.
     """
+    from seat_gear_dynamics.logs.analysis import analyse
+    from seat_gear_dynamics.logs.analysis.overview import overview
+    from seat_gear_dynamics.views.analysis import summary
+    from seat_gear_dynamics.views.report import summary_lines
+
+    train = _train(log, system)
+    found = analyse(log, train)
+    picture = _picture(found, _folder(log, output))
+    lines = [*summary_lines(overview(found)), f"log:    {log}", f"report: {picture}"]
+    return {**summary(found), "report": str(picture)}, lines
+
+
+def _train(log: Path, system: str | None) -> "GearTrain":
+    """Return the train of the option, else of the log, else the packaged one."""
     from seat_gear_dynamics.gears import load_train
     from seat_gear_dynamics.gears.description import parse_train
-    from seat_gear_dynamics.logs.run import read_run
-    from seat_gear_dynamics.views.report import summary_lines, time_by_level, write_report
+    from seat_gear_dynamics.logs.reader import Bag
 
-    recorded = read_run(log)
-    train = parse_train(recorded.system_text) if system is None and recorded.system_text else load_train(system)
+    text = (Bag(log).metadata or {}).get("system") if system is None else None
+    return parse_train(text) if text else load_train(system)
+
+
+def _map(path: Path) -> "RegimeMap":
+    from seat_gear_dynamics.commands.errors import CommandError
+    from seat_gear_dynamics.regimes import MapError, RegimeMap
+
+    try:
+        with path.open("rb") as file:
+            return RegimeMap.load(file)
+    except MapError as error:
+        raise CommandError(f"{path}: {error}") from error
+
+
+def _folder(log: Path, output: Path | None) -> Path:
     folder = output or (log if log.is_dir() else log.parent)
     folder.mkdir(parents=True, exist_ok=True)
-    picture = folder / "report.png"
-    write_report(recorded, train.bands, picture, load_scale=train.model.load_scale)
+    return folder
+
+
+def _picture(found: "Analysis", folder: Path) -> Path:
+    from seat_gear_dynamics.logs.analysis.overview import overview
+    from seat_gear_dynamics.views.report import write_report
+
+    path = folder / "report.png"
+    write_report(overview(found), found.train.bands, path, load_scale=found.train.model.load_scale)
+    return path
+
+
+def _write(found: "Analysis", folder: Path, *, parquet: bool) -> tuple[dict[str, Any], list[str]]:
+    """Write everything to `folder`; return the summary as values and as lines."""
+    from seat_gear_dynamics import __version__
+    from seat_gear_dynamics.logs.analysis.tables import tables, write_tables
+    from seat_gear_dynamics.views.analysis import figures, page, summary, summary_lines
+    from seat_gear_dynamics.views.analysis.page import Picture
+    from seat_gear_dynamics.views.figures.style import save
+
+    written = write_tables(tables(found), folder / "tables", parquet=parquet)
+    (folder / "figures").mkdir(exist_ok=True)
+    pictures = []
+    for drawn in figures(found):
+        path = folder / "figures" / f"{drawn.name}.png"
+        save(drawn.figure, path)
+        pictures.append(Picture(path, drawn.section, drawn.caption, drawn.tables))
+    html = folder / "report.html"
+    html.write_text(page(found, pictures, version=__version__), encoding="utf-8")
+    picture = _picture(found, folder)
     values = {
-        "log": str(log),
-        "duration": recorded.duration,
+        **summary(found),
         "report": str(picture),
-        "load_scale": train.model.load_scale,
-        "warning_time": time_by_level(recorded),
-        "topics": {
-            f.topic: {"count": f.count, "period": f.period, "longest_gap": f.longest_gap} for f in recorded.flows
-        },
-        "damage": recorded.damage,
+        "page": str(html),
+        "figures": [str(each.path) for each in pictures],
+        "tables": [str(path) for path in written],
     }
-    return values, [*summary_lines(recorded), f"log:    {log}", f"report: {picture}"]
+    return values, [*summary_lines(found), f"log:    {found.provenance.log}", f"report: {html}"]

@@ -1,39 +1,106 @@
-"""`seat-gear replay`: the monitor's outputs again from the log's inputs."""
+"""`seat-gear replay`: the monitor's outputs again from the log's inputs, or what they would have been."""
 
 import argparse
 import json
 from pathlib import Path
+from typing import TYPE_CHECKING, Any
 
 from seat_gear_dynamics.commands.texts import Texts
 
+if TYPE_CHECKING:
+    from seat_gear_dynamics.logs.analysis.rerun import Rerun
+
 TEXTS = {
-    "replay": Texts("the monitor's forces again from a log's inputs, compared bit for bit", "seat-gear replay my_run")
+    "replay": Texts(
+        "the monitor's outputs again from a log's inputs, compared bit for bit; with other parameters: what if",
+        "seat-gear replay my_run --set meshes.s1_s2.damping_ratio=0.09",
+    )
 }
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Add the command's own arguments."""
     parser.add_argument("log", metavar="LOG", type=Path, help="bag directory or .mcap file")
+    parser.add_argument(
+        "--set",
+        action="append",
+        default=[],
+        metavar="NAME=VALUE",
+        help="a parameter of the system by its path, in its unit, or of the monitor by its name; may be repeated",
+    )
 
 
 def run(arguments: argparse.Namespace) -> int:
-    """Replay and compare; exit code 1 where anything differs."""
-    from dataclasses import asdict
-
+    """Replay and compare; exit code 1 where anything differs, unless other parameters were asked for."""
+    from seat_gear_dynamics.commands.progress import progress
     from seat_gear_dynamics.gears import load_train
     from seat_gear_dynamics.gears.description import parse_train
+    from seat_gear_dynamics.logs.analysis.rerun import rerun
+    from seat_gear_dynamics.logs.analysis.what_if import monitor_settings, split, with_values
     from seat_gear_dynamics.logs.reader import Bag
-    from seat_gear_dynamics.logs.replay import replay
 
-    text = (Bag(arguments.log).metadata or {}).get("system")
-    train = load_train(arguments.system) if arguments.system or not text else parse_train(text)
-    result = replay(arguments.log, train)
-    if arguments.json:
-        print(json.dumps(asdict(result)))
-    else:
-        print(
-            f"{result.samples} samples replayed, {result.equal} of {result.messages} force messages equal bit for bit"
-        )
-        if result.first_difference:
-            print(f"first difference: {result.first_difference}")
-    return 0 if result.equal == result.messages else 1
+    system, monitor = split(arguments.set)
+    settings = monitor_settings(monitor)
+    kept = (Bag(arguments.log).metadata or {}).get("system")
+    train = load_train(arguments.system) if arguments.system or not kept else parse_train(kept)
+    if system:
+        train = parse_train(with_values(train.text, system))
+    what_if = bool(arguments.system or arguments.set)
+    with progress("replay", quiet=arguments.json) as tell:
+        found = rerun(arguments.log, train, settings, tell)
+    print(json.dumps(_values(found, what_if=what_if)) if arguments.json else "\n".join(_lines(found, what_if=what_if)))
+    return 0 if what_if or found.identical else 1
+
+
+def _values(found: "Rerun", *, what_if: bool) -> dict[str, Any]:
+    from dataclasses import asdict
+    from math import isfinite
+
+    from seat_gear_dynamics.views.colours import LEVEL_NAMES
+
+    def finite(values: dict[str, float]) -> dict[str, float | None]:
+        return {name: value if isfinite(value) else None for name, value in values.items()}
+
+    logged, replayed = found.level_seconds
+    forces = found.topics[0]
+    return {
+        "samples": found.samples,
+        "messages": forces.messages,
+        "equal": forces.equal,
+        "identical": found.identical,
+        "first_difference": found.first_difference,
+        "begins": found.begins,
+        "what_if": what_if,
+        "topics": [asdict(each) for each in found.topics],
+        "silences": found.silences,
+        "forces": {m: {"logged": finite(a), "replayed": finite(b)} for m, (a, b) in found.forces.items()},
+        "level_seconds": {
+            name: {"logged": logged.get(level, 0.0), "replayed": replayed.get(level, 0.0)}
+            for level, name in enumerate(LEVEL_NAMES)
+        },
+    }
+
+
+def _lines(found: "Rerun", *, what_if: bool) -> list[str]:
+    begins = "" if found.begins == "first input" else f", from the {found.begins} in the log on"
+    lines = [f"{found.samples} samples replayed{begins}"]
+    lines += [f"  {each.topic:32s}{each.equal:8d} of {each.messages} equal bit for bit" for each in found.topics]
+    if found.silences:
+        lines.append(f"  {found.silences} warnings of silence are taken over from the log")
+    if what_if:
+        lines += _what_if_lines(found)
+    elif found.first_difference:
+        lines.append(f"first difference: {found.first_difference}")
+    return lines
+
+
+def _what_if_lines(found: "Rerun") -> list[str]:
+    from seat_gear_dynamics.views.colours import LEVEL_NAMES
+
+    lines = [f"{'':24s}{'logged':>12s}{'what if':>12s}"]
+    for mesh, (logged, replayed) in found.forces.items():
+        lines += [f"{f'{mesh} {name}, N':24s}{logged[name]:12.1f}{replayed[name]:12.1f}" for name in logged]
+    for level, name in enumerate(LEVEL_NAMES):
+        before, after = (seconds.get(level, 0.0) for seconds in found.level_seconds)
+        lines.append(f"{f'{name}, s':24s}{before:12.1f}{after:12.1f}")
+    return lines

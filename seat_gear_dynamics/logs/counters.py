@@ -18,6 +18,9 @@ class Counters(NamedTuple):
     written: int
     dropped: int
 
+    def __str__(self) -> str:
+        return f"received {self.received}, written {self.written}, dropped {self.dropped}"
+
 
 class Account:
     """What the writer remembers of one topic between messages."""

@@ -1,7 +1,8 @@
-"""When a log syncs and when it starts a new file."""
+"""When a log syncs, when it starts a new file, and which of its files it lets go."""
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, fields
 
 from seat_gear_dynamics.logs.errors import LogError
@@ -11,12 +12,14 @@ NANOSECONDS = 1_000_000_000
 
 @dataclass(frozen=True)
 class Limits:
-    """Bytes of a chunk, seconds between syncs, bytes and seconds of a file; None is no limit."""
+    """Bytes of a chunk, seconds between syncs, bytes and seconds of a file, files and bytes kept; None is no limit."""
 
     chunk_size: int
     sync_interval_s: float
     max_size_bytes: int | None
     max_duration_s: float | None
+    keep_files: int | None = None
+    keep_bytes: int | None = None
 
     def __post_init__(self) -> None:
         for field in fields(self):
@@ -35,3 +38,19 @@ class Limits:
         if self.max_duration_s is None or start_ns is None:
             return False
         return now_ns - start_ns >= self.max_duration_s * NANOSECONDS
+
+    def surplus(self, sizes: Sequence[int]) -> int:
+        """Return how many of a bag's files to let go, the oldest first, before another one is begun.
+
+        `sizes` are the bytes of the finished files, the oldest first. The last is always kept, so that the moment of a
+        split leaves no hole; together with the file being written a bag outgrows `keep_bytes` by up to that file.
+        """
+        gone = 0
+        while gone < len(sizes) - 1 and self._too_many(sizes[gone:]):
+            gone += 1
+        return gone
+
+    def _too_many(self, sizes: Sequence[int]) -> bool:
+        if self.keep_files is not None and len(sizes) >= self.keep_files:
+            return True
+        return self.keep_bytes is not None and sum(sizes) > self.keep_bytes

@@ -2,54 +2,81 @@
 
 from __future__ import annotations
 
-from collections import Counter, deque
+from collections import Counter
 from collections.abc import Callable, Mapping
 from pathlib import Path
-from typing import Literal, NamedTuple
+from typing import Literal
 
 from seat_gear_dynamics.logs.counters import Counters
 from seat_gear_dynamics.logs.errors import LogError
+from seat_gear_dynamics.logs.schemas import schema
+from seat_gear_dynamics.logs.snapshot import EventTrigger, Ring
+from seat_gear_dynamics.logs.space import Space, SpaceWatch
 from seat_gear_dynamics.logs.topics import Qos
 from seat_gear_dynamics.logs.writer import BagWriter
 
 State = Literal["stopped", "recording", "paused", "failed"]
 MakeWriter = Callable[[Path], BagWriter]
 
-
-class _Kept(NamedTuple):
-    topic: str
-    data: bytes
-    log_ns: int
-    publish_ns: int
+_LEVEL = 4  # where a DiagnosticStatus has its level: the first byte behind the CDR header
+_RING_BYTES = 200_000_000
 
 
 class Recording:
     """Takes serialized messages and keeps them in a bag while recording; times are arguments.
 
-    `topics` maps absolute name to (type, quality of service). The first start writes `directory`; each later one
-    `directory` with `_run2`, `_run3`, … A snapshot of the last `ring_seconds` goes to `directory` with `_snapshot1`, ….
+    `topics` maps absolute name to (type, quality of service); `add_topic` adds to them. The first start writes
+    `directory`; each later one `directory` with `_run2`, `_run3`, … A snapshot of the last `ring_seconds` goes to
+    `directory` with `_snapshot1`, …; with a `trigger`, also by itself after the warning on `trigger_topic` has begun.
     A log that fails is reported once by `LogError` and leaves the state `failed`; messages are then counted as lost.
     """
 
     def __init__(
-        self, directory: Path, make_writer: MakeWriter, topics: Mapping[str, tuple[str, Qos]], *, ring_seconds: float
+        self,
+        directory: Path,
+        make_writer: MakeWriter,
+        topics: Mapping[str, tuple[str, Qos]],
+        *,
+        ring_seconds: float,
+        ring_bytes: int = _RING_BYTES,
+        trigger: EventTrigger | None = None,
+        trigger_topic: str = "",
+        space: SpaceWatch | None = None,
     ) -> None:
         self.directory = directory
         self.state: State = "stopped"
         self.received: Counter[str] = Counter()
         self.not_recorded: Counter[str] = Counter()
-        """Messages that came while stopped, paused or failed, per topic."""
+        """Messages that came while stopped, paused or failed, or before the clock ran, per topic."""
+        self.space: Space | None = None
+        self.snapshots: list[Path] = []
         self._make_writer = make_writer
-        self._topics = dict(topics)
-        self._ring: deque[_Kept] = deque()
-        self._ring_ns = int(ring_seconds * 1e9)
+        self._topics: dict[str, tuple[str, Qos]] = {}
+        self._ring = Ring(ring_seconds, ring_bytes)
+        self._trigger, self._trigger_topic = trigger, trigger_topic if trigger else ""
+        self._space_watch = space
         self._writer: BagWriter | None = None
-        self._runs = self._snapshots = 0
+        self._stopped_because: str | None = None
+        self._past: dict[str, Counters] = {}
+        self._runs = self._tried = 0
+        for name, (kind, qos) in topics.items():
+            self.add_topic(name, kind, qos)
 
     @property
     def counters(self) -> dict[str, Counters]:
         """Per topic of the present bag: received, written, dropped."""
         return self._writer.counters if self._writer else {}
+
+    @property
+    def totals(self) -> dict[str, Counters]:
+        """Per topic of all bags so far: received (while not recording too), written, dropped."""
+        now = self.counters
+        totals = {}
+        for name in self._topics:
+            past, present = self._past.get(name, _NONE), now.get(name, _NONE)
+            written, dropped = past.written + present.written, past.dropped + present.dropped
+            totals[name] = Counters(self.received[name], written, dropped)
+        return totals
 
     @property
     def files(self) -> tuple[Path, ...]:
@@ -58,20 +85,38 @@ class Recording:
 
     @property
     def failure(self) -> str | None:
-        """Why the present bag failed, or None."""
-        return self._writer.failure if self._writer else None
+        """Why the present bag failed or was ended before it was told to, or None."""
+        return self._stopped_because or (self._writer.failure if self._writer else None)
+
+    def add_topic(self, name: str, type: str, qos: Qos) -> None:
+        """Record the absolute topic `name` from now on; raises `LogError` for a type that a log cannot describe."""
+        schema(type)
+        self._topics[name] = (type, qos)
+        if qos.durability == "transient_local":
+            self._ring.latch(name)
+        if self._writer is not None and self.state in ("recording", "paused"):
+            with _Failing(self):
+                self._writer.add_topic(name, type, qos)
 
     def receive(self, topic: str, data: bytes, log_ns: int, publish_ns: int) -> None:
         """Take one message; raises LogError once when the disk refuses it."""
         self.received[topic] += 1
-        self._ring.append(_Kept(topic, data, log_ns, publish_ns))
-        while self._ring and self._ring[0].log_ns < log_ns - self._ring_ns:
-            self._ring.popleft()
-        if self.state != "recording" or self._writer is None:
+        self._ring.add(topic, data, log_ns, publish_ns)
+        if self.state == "recording" and self._writer is not None:
+            try:
+                self._writer.write(topic, data, log_ns, publish_ns)
+            except LogError:
+                self._note_failure()
+                raise
+        else:
             self.not_recorded[topic] += 1
-            return
-        with _Failing(self):
-            self._writer.write(topic, data, log_ns, publish_ns)
+        if topic == self._trigger_topic and self._trigger is not None and len(data) > _LEVEL:
+            self._trigger.update(data[_LEVEL], log_ns)
+
+    def ignore(self, topic: str) -> None:
+        """Count a message that cannot be recorded because its time is not known."""
+        self.received[topic] += 1
+        self.not_recorded[topic] += 1
 
     def start(self) -> Path:
         """Begin a bag and return its directory."""
@@ -79,9 +124,15 @@ class Recording:
             raise LogError(
                 f"The recorder is {self.state} already ({self.directory}); stop it before starting another log."
             )
+        if self.space is not None and self.space.room == "full":
+            raise LogError(f"The disk of {self.directory} is full ({self.space.text}); make room, then start.")
         self._runs += 1
         directory = self._named("run", self._runs) if self._runs > 1 else self.directory
-        self._writer = self._open(directory)
+        writer = self._open(directory)
+        self._past = {n: _sum(self._past.get(n, _NONE), c) for n, c in self.counters.items()} | {
+            n: c for n, c in self._past.items() if n not in self.counters
+        }
+        self._writer, self._stopped_because = writer, None
         self.state = "recording"
         return directory
 
@@ -110,16 +161,40 @@ class Recording:
         with _Failing(self):
             return self._writer.split(now_ns)
 
-    def snapshot(self) -> tuple[Path, int]:
+    def snapshot(self, why: str = "asked for") -> tuple[Path, int]:
         """Write the ring to a bag of its own; return its directory and how many messages it holds."""
-        if not self._ring:
+        messages = self._ring.messages()
+        if not messages:
             raise LogError("There is nothing to snapshot: no message has come yet. Wait for one.")
-        self._snapshots += 1
-        directory = self._named("snapshot", self._snapshots)
+        self._tried += 1
+        directory = self._named("snapshot", self._tried)
         with self._open(directory) as writer:
-            for kept in self._ring:
+            writer.custom_data["snapshot"] = why
+            for kept in messages:
                 writer.write(*kept)
-        return directory, len(self._ring)
+        self.snapshots.append(directory)
+        return directory, len(messages)
+
+    def take_due_snapshot(self, now_ns: int, *, ending: bool = False) -> Path | None:
+        """Write the snapshot of a warning that began, if one is due (at the recorder's end: waits) and return it."""
+        trigger = self._trigger
+        if trigger is None or not (trigger.due(now_ns) or (ending and trigger.waiting)):
+            return None
+        trigger.taken(now_ns)
+        return self.snapshot("a warning began")[0]
+
+    def watch_space(self, t: float, free: int) -> None:
+        """Take the free bytes of the disk at `t` (s, steady); at the reserve the bag ends, with a `LogError`."""
+        if self._space_watch is None:
+            return
+        self.space = self._space_watch.update(t, free)
+        if self.space.room != "full" or self._writer is None or self.state not in ("recording", "paused"):
+            return
+        text = f"The log {self._writer.directory} was ended because its disk is full ({self.space.text}); make room."
+        self._stopped_because = self._writer.custom_data["failure"] = text
+        self.stop()
+        self.state = "failed"
+        raise LogError(text)
 
     def sync(self, now_ns: int) -> None:
         """Bring what is written to the disk; call it regularly, topics may be silent."""
@@ -140,6 +215,17 @@ class Recording:
         if self.state not in states:
             raise LogError(f"The recorder is {self.state} and cannot be {verb}; it has to be {' or '.join(states)}.")
 
+    def _note_failure(self) -> None:
+        if self._writer is not None and self._writer.failure is not None:
+            self.state = "failed"
+
+
+_NONE = Counters(0, 0, 0)
+
+
+def _sum(one: Counters, other: Counters) -> Counters:
+    return Counters(*(a + b for a, b in zip(one, other, strict=True)))
+
 
 class _Failing:
     """Marks the recording as failed when the disk refuses, and lets the error through."""
@@ -151,5 +237,5 @@ class _Failing:
         return None
 
     def __exit__(self, kind: type[BaseException] | None, error: BaseException | None, trace: object) -> None:
-        if isinstance(error, LogError) and self._recording.failure is not None:
-            self._recording.state = "failed"
+        if isinstance(error, LogError):
+            self._recording._note_failure()

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -78,22 +79,38 @@ def _has(bag: Bag, topic: topics.Topic) -> bool:
         return False
 
 
+class CloudPoints:
+    """Takes each section point of overlapping clouds once, by its time."""
+
+    _LAYOUT = np.dtype([("x", "<f4"), ("y", "<f4"), ("z", "<f4"), ("t", "<f8")])
+
+    def __init__(self) -> None:
+        self._last = -np.inf
+
+    def fresh(self, cloud: Any, path: Path) -> Array:
+        """Return the points not met before, shape (n, 3): δ/b_c, dimensionless rate, time in s since the epoch.
+
+        A cloud that ends before the last one did is of another clock or another start, and is taken whole. Raises
+        LogError, naming the log at `path`, where the cloud's fields are not x, y, z, t.
+        """
+        names = [field.name for field in cloud.fields]
+        if names != list(self._LAYOUT.names or ()) or cloud.point_step != self._LAYOUT.itemsize:
+            raise LogError(f"A cloud in {path} has fields {names}; expected x, y, z, t of 20 bytes a point.")
+        points = np.frombuffer(bytes(cloud.data), dtype=self._LAYOUT)
+        if not len(points):
+            return np.empty((0, 3))
+        fresh = points[points["t"] > self._last] if points["t"][-1] >= self._last else points
+        self._last = float(points["t"][-1])
+        columns: Array = np.column_stack([fresh["x"], fresh["y"], fresh["t"]]).astype(np.float64)
+        return columns
+
+
 def _section(bag: Bag) -> Array:
     """Return the section points of all clouds; clouds overlap, so each point is taken once, by its time."""
-    layout = np.dtype([("x", "<f4"), ("y", "<f4"), ("z", "<f4"), ("t", "<f8")])
-    clouds: list[Array] = []
-    last = -np.inf
-    for _, _, _, cloud in bag.decoded(topics.POINCARE.name):
-        names = [field.name for field in cloud.fields]
-        if names != list(layout.names or ()) or cloud.point_step != layout.itemsize:
-            raise LogError(f"A cloud in {bag.path} has fields {names}; expected x, y, z, t of 20 bytes a point.")
-        points = np.frombuffer(bytes(cloud.data), dtype=layout)
-        if not len(points):
-            continue
-        fresh = points[points["t"] > last] if points["t"][-1] > last else points
-        last = float(points["t"][-1])
-        clouds.append(np.column_stack([fresh["x"], fresh["y"], fresh["t"] - bag.start_ns * 1e-9]).astype(np.float64))
-    return np.concatenate(clouds) if clouds else np.empty((0, 3))
+    seen = CloudPoints()
+    clouds = [seen.fresh(cloud, bag.path) for _, _, _, cloud in bag.decoded(topics.POINCARE.name)]
+    points = np.concatenate(clouds) if clouds else np.empty((0, 3))
+    return np.asarray(points - np.array([0.0, 0.0, bag.start_ns * 1e-9]))
 
 
 def _flows(bag: Bag) -> list[Flow]:

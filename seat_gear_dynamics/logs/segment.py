@@ -6,47 +6,15 @@ import struct
 from collections.abc import Mapping
 from contextlib import suppress
 from pathlib import Path
-from typing import IO, Literal, Protocol, cast
 
 from mcap.opcode import Opcode
-from mcap.writer import MCAP0_MAGIC, CompressionType, Writer
+from mcap.writer import MCAP0_MAGIC
 
+from seat_gear_dynamics.logs.chunks import ChunkWriter
 from seat_gear_dynamics.logs.disk import DurableFile
 from seat_gear_dynamics.logs.metadata import FileRecord, TopicRecord, offered_qos
+from seat_gear_dynamics.logs.presets import DEFAULT_LEVEL, codec
 from seat_gear_dynamics.logs.schemas import schema
-
-Compression = Literal["zstd", "lz4", "none"]
-COMPRESSIONS: Mapping[str, CompressionType] = {
-    "zstd": CompressionType.ZSTD,
-    "lz4": CompressionType.LZ4,
-    "none": CompressionType.NONE,
-}
-
-
-class _Library(Protocol):
-    """The mcap library's writer as it is used here (the library leaves its return types open)."""
-
-    def start(self, profile: str, library: str) -> None: ...
-    def register_schema(self, name: str, encoding: str, data: bytes) -> int: ...
-    def register_channel(
-        self, topic: str, message_encoding: str, schema_id: int, metadata: Mapping[str, str]
-    ) -> int: ...
-    def add_message(self, channel_id: int, log_time: int, data: bytes, publish_time: int, sequence: int) -> None: ...
-    def add_metadata(self, name: str, data: Mapping[str, str]) -> None: ...
-    def finish(self) -> None: ...
-
-
-_PRIVATE_FLUSH = "_Writer__finalize_chunk"
-
-
-def _flush(library: _Library) -> None:
-    """Close the chunk in progress and hand it to the file.
-
-    Before mcap 1.6 the library has no public way to do so short of finishing the file, and a chunk of quiet
-    topics can stay in memory for minutes; hence the one private method, under its mangled name.
-    """
-    flush = getattr(library, "flush", None) or getattr(library, _PRIVATE_FLUSH)
-    flush()
 
 
 def _ending() -> bytes:
@@ -64,7 +32,10 @@ class Segment:
 
     _ENDING = _ending()
 
-    def __init__(self, path: Path, *, chunk_size: int, compression: Compression, library: str) -> None:
+    def __init__(
+        self, path: Path, *, chunk_size: int, compression: str, library: str, level: int = DEFAULT_LEVEL
+    ) -> None:
+        name, pack = codec(compression, level)
         self._file = DurableFile(path)
         self._counts: dict[str, int] = {}
         self._channels: dict[str, int] = {}
@@ -73,10 +44,9 @@ class Segment:
         self._end: int | None = None
         self.durable = FileRecord(path.name, None, None, {})
         self._durable_size = 0
-        writer = Writer(cast(IO[bytes], self._file), chunk_size=chunk_size, compression=COMPRESSIONS[compression])
-        self._library = cast(_Library, writer)
+        self._records = ChunkWriter(self._file, chunk_size=chunk_size, compression=name, pack=pack)
         try:
-            self._library.start(profile="ros2", library=library)
+            self._records.start(profile="ros2", library=library)
         except OSError:
             self.abandon()
             raise
@@ -111,11 +81,11 @@ class Segment:
         return FileRecord(self.path.name, self._start, self._end, dict(self._counts))
 
     def add_channel(self, topic: TopicRecord) -> None:
-        """Declare a topic, with rosbag2's keys; its schema is written once per file."""
+        """Declare a topic, with rosbag2's keys; its schema is declared once per file."""
         if topic.type not in self._schemas:
             text = schema(topic.type).text.encode()
-            self._schemas[topic.type] = self._library.register_schema(topic.type, "ros2msg", text)
-        self._channels[topic.name] = self._library.register_channel(
+            self._schemas[topic.type] = self._records.add_schema(topic.type, "ros2msg", text)
+        self._channels[topic.name] = self._records.add_channel(
             topic.name,
             "cdr",
             self._schemas[topic.type],
@@ -124,26 +94,30 @@ class Segment:
 
     def add_metadata(self, name: str, data: Mapping[str, str]) -> None:
         """Append a metadata record behind the chunks written so far."""
-        self._library.add_metadata(name, data)
+        self._records.add_metadata(name, data)
 
     def write(self, topic: str, data: bytes, log_ns: int, publish_ns: int, sequence: int) -> None:
         """Append one message of a declared topic."""
-        self._library.add_message(self._channels[topic], log_ns, data, publish_ns, sequence)
+        closed = self._records.add_message(self._channels[topic], log_ns, data, publish_ns, sequence)
         self._counts[topic] = self._counts.get(topic, 0) + 1
-        self._start = log_ns if self._start is None else min(self._start, log_ns)
-        self._end = log_ns if self._end is None else max(self._end, log_ns)
-        if not self._file.sealed:  # the library has just closed a full chunk
+        if self._start is None or self._end is None:
+            self._start = self._end = log_ns
+        elif log_ns < self._start:
+            self._start = log_ns
+        elif log_ns > self._end:
+            self._end = log_ns
+        if closed:
             self._file.seal(self._ENDING)
 
     def sync(self) -> None:
         """Close the chunk in progress and return when all of it is on the disk under a valid ending."""
-        _flush(self._library)
+        self._records.flush()
         self._file.seal(self._ENDING)
         self._settle()
 
     def finish(self) -> None:
         """Write summary and footer, sync and close: the file is complete and indexed."""
-        self._library.finish()
+        self._records.finish()
         self._settle()
         self._file.close()
 

@@ -64,6 +64,14 @@ MODEL_INPUT = Topic(
     "out",
     "what the model was fed: name s1, velocity in rad/s, effort = load in N·m, stamp = the time used",
 )
+MODEL_STATE = Topic(
+    "gear_monitor/model_state",
+    JOINT_STATE,
+    "out",
+    "all that the model goes on from, for a replay that begins amid a run: names and positions, stamp of its sample",
+    durability="transient_local",
+    depth=1,
+)
 MESH_STATE = Topic(
     "gear_monitor/mesh_state",
     JOINT_STATE,
@@ -93,6 +101,7 @@ TOPICS: tuple[Topic, ...] = (
     LOAD_TORQUE,
     JOINT_STATES,
     MODEL_INPUT,
+    MODEL_STATE,
     MESH_STATE,
     MESH_FORCE,
     POINCARE,

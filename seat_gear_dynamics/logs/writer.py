@@ -14,8 +14,9 @@ from seat_gear_dynamics.logs.disk import replace_text, sync_folder
 from seat_gear_dynamics.logs.errors import LogError, reason
 from seat_gear_dynamics.logs.limits import Limits
 from seat_gear_dynamics.logs.metadata import FileRecord, TopicRecord
+from seat_gear_dynamics.logs.presets import DEFAULT_LEVEL, codec
 from seat_gear_dynamics.logs.schemas import schema
-from seat_gear_dynamics.logs.segment import COMPRESSIONS, Compression, Segment
+from seat_gear_dynamics.logs.segment import Segment
 from seat_gear_dynamics.logs.topics import Qos
 
 LATEST = 2**63  # log times are signed 64-bit nanoseconds in metadata.yaml
@@ -33,9 +34,11 @@ class BagWriter:
     `failure` keeps the sentence, and later messages are counted as dropped without another error.
 
     `chunk_size` and `max_size_bytes` are bytes; the size of a file is known only as chunks close, so a file
-    outgrows `max_size_bytes` by up to one chunk and the summary. `system_text` is the YAML text of the system
-    parameters, `system_hash` its sha256 and `software_version` the package's; all three go into every file.
-    `custom_data` becomes rosbag2's custom_data and may be filled until `close`.
+    outgrows `max_size_bytes` by up to one chunk and the summary. Circular retention: with `keep_files` or
+    `keep_bytes` the oldest files are deleted at a split, after `metadata.yaml` has ceased to list them.
+    `system_text` is the YAML text of the system parameters, `system_hash` its sha256 and `software_version` the
+    package's; all three go into every file. `custom_data` becomes rosbag2's custom_data and may be filled until
+    `close`; each topic's counts stand there as `messages of TOPIC`.
     """
 
     def __init__(
@@ -46,19 +49,21 @@ class BagWriter:
         system_hash: str,
         software_version: str,
         chunk_size: int = 1_000_000,
-        compression: Compression = "zstd",
+        compression: str = "zstd",
+        level: int = DEFAULT_LEVEL,
         sync_interval_s: float = 1.0,
         max_size_bytes: int | None = None,
         max_duration_s: float | None = None,
+        keep_files: int | None = None,
+        keep_bytes: int | None = None,
     ) -> None:
         """Create the directory and its first file; raises `LogError` if it exists or cannot be created."""
         self.directory = Path(directory)
         self.custom_data: dict[str, str] = {}
         self.failure: str | None = None
-        self._limits = Limits(chunk_size, sync_interval_s, max_size_bytes, max_duration_s)
-        if compression not in COMPRESSIONS:
-            raise LogError(f"The compression {compression!r} is unknown; use one of {', '.join(COMPRESSIONS)}.")
-        self._compression: Compression = compression
+        self._limits = Limits(chunk_size, sync_interval_s, max_size_bytes, max_duration_s, keep_files, keep_bytes)
+        codec(compression, level)
+        self._compression, self._level = compression, level
         self._library = f"seat_gear_dynamics {software_version}"
         self._provenance = {
             "system": system_text,
@@ -66,7 +71,8 @@ class BagWriter:
             "software_version": software_version,
         }
         self._topics: dict[str, Account] = {}
-        self._files: list[FileRecord] = []  # the finished ones
+        self._files: list[FileRecord] = []  # the finished ones, except those let go
+        self._begun = self._let_go = 0
         self._segment: Segment | None = None
         self._news = False  # whether the present file holds anything but repetitions
         self._unsynced = False
@@ -78,6 +84,11 @@ class BagWriter:
         """The files of the bag so far, the one being written last."""
         names = [file.name for file in self._records()]
         return tuple(self.directory / name for name in names)
+
+    @property
+    def size(self) -> int:
+        """Bytes of the file being written, its chunk in progress not counted; 0 when there is none."""
+        return self._segment.size if self._segment is not None else 0
 
     @property
     def counters(self) -> dict[str, Counters]:
@@ -204,10 +215,14 @@ class BagWriter:
             ) from cause
 
     def _open(self) -> Segment:
-        path = self.directory / f"{self.directory.name}_{len(self._files)}.mcap"
         self._segment = Segment(
-            path, chunk_size=self._limits.chunk_size, compression=self._compression, library=self._library
+            self.directory / f"{self.directory.name}_{self._begun}.mcap",
+            chunk_size=self._limits.chunk_size,
+            compression=self._compression,
+            level=self._level,
+            library=self._library,
         )
+        self._begun += 1
         for topic in self._topics.values():
             self._segment.add_channel(topic.record)
         self._segment.add_metadata(metadata.RECORD_NAME, self._provenance)
@@ -224,9 +239,26 @@ class BagWriter:
                 # The sequence number stays, so that a reader can tell a repetition from a new message.
                 segment.write(name, data, now_ns, publish_ns, sequence)
                 self._unsynced = True
+        surplus = self._surplus()
         self._write_metadata()
+        for path in surplus:  # only now: metadata.yaml must never list what is gone
+            path.unlink(missing_ok=True)
         self._last_sync = now_ns
         return segment
+
+    def _surplus(self) -> list[Path]:
+        """Strike the files that retention lets go from the bag and return their paths."""
+        sizes = [self._size_of(file) for file in self._files]
+        count = self._limits.surplus(sizes)
+        gone, self._files = self._files[:count], self._files[count:]
+        if gone:
+            self._let_go += count
+            self.custom_data["files let go"] = str(self._let_go)
+        return [self.directory / file.name for file in gone]
+
+    def _size_of(self, file: FileRecord) -> int:
+        path = self.directory / file.name
+        return path.stat().st_size if path.exists() else 0
 
     def _finish(self) -> None:
         """Complete the present file; afterwards there is none."""
@@ -267,13 +299,17 @@ class BagWriter:
 
     def _add_rosbag2_record(self, segment: Segment) -> None:
         topics = [topic.record for topic in self._topics.values()]
-        text = metadata.serialized(topics, [*self._files, segment.durable], self.custom_data)
+        text = metadata.serialized(topics, [*self._files, segment.durable], self._custom())
         segment.add_metadata("rosbag2", {"serialized_metadata": text})
 
     def _write_metadata(self) -> None:
         topics = [topic.record for topic in self._topics.values()]
-        text = metadata.document(topics, self._records(), self.custom_data)
+        text = metadata.document(topics, self._records(), self._custom())
         replace_text(self.directory / metadata.FILE_NAME, text)
+
+    def _custom(self) -> dict[str, str]:
+        counts = {f"messages of {name}": str(account.counters) for name, account in self._topics.items()}
+        return {**self.custom_data, **counts}
 
     def _fail(self, cause: OSError) -> NoReturn:
         """Cut the bag back to what is durable, close it for good and raise the sentence."""

@@ -10,12 +10,21 @@ from numpy.typing import NDArray
 from seat_gear_dynamics.gears import GearTrain
 from seat_gear_dynamics.motion import kernel
 from seat_gear_dynamics.motion.coefficients import coefficients, static_state
+from seat_gear_dynamics.motion.system import STATE_NAMES
 from seat_gear_dynamics.motion.tables import LEVELS, TARGET_STEPS, tables
 
 Array = NDArray[np.float64]
 
 LONGEST_STEP = 0.1
 """Longest step, in units of τ; the stiffest mode of the packaged train turns by less than 0.2 rad in it."""
+WHOLE_NAMES: tuple[str, ...] = (
+    *STATE_NAMES,
+    *(f"tangent/{name}" for name in STATE_NAMES),
+    *("tau", "phase/unspent"),
+    *("phase/place", "tangent/age"),
+    *("growth/s1_s2", "growth/s3_s4"),
+)
+"""What `March.whole` holds: state, tangent, clock, place on the phase grid, growth of the tangent's halves."""
 _SECTION_ROOM = 4096  # section points a call may give before the march stops to have them read
 
 
@@ -145,6 +154,24 @@ class March:
     @state.setter
     def state(self, value: Array) -> None:
         self._y = np.array(value, dtype=float).reshape(24)
+
+    @property
+    def whole(self) -> Array:
+        """A copy of all that the motion goes on from, shape (54,): in the order of WHOLE_NAMES.
+
+        Set it on a march of the same train and steps to go on bit for bit. Raises ValueError for another shape.
+        """
+        return np.concatenate([self._y, self._z, self._clock, self._place, self._growth])
+
+    @whole.setter
+    def whole(self, value: Array) -> None:
+        given = np.asarray(value, dtype=float)
+        if given.shape != (len(WHOLE_NAMES),):
+            raise ValueError(f"The motion's whole state has shape {given.shape}, expected ({len(WHOLE_NAMES)},).")
+        self._y, self._z, self._clock, place, self._growth = (
+            part.copy() for part in np.split(given, np.cumsum([24, 24, 2, 2]))
+        )
+        self._place = place.astype(np.int64)
 
     def advance(
         self,

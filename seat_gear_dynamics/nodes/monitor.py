@@ -17,6 +17,7 @@ from seat_gear_dynamics.logs import topics
 from seat_gear_dynamics.nodes import messages
 from seat_gear_dynamics.nodes.intake import Intake
 from seat_gear_dynamics.nodes.monitor_health import SolverHealth
+from seat_gear_dynamics.nodes.monitor_state import StateTicker, model_state
 from seat_gear_dynamics.nodes.parameters import Parameter, declare
 from seat_gear_dynamics.nodes.process import StartError, run
 from seat_gear_dynamics.sensing import AlarmSettings, Change, RejectedSampleError, Session, warm_up
@@ -36,10 +37,11 @@ PARAMETERS = (
     Parameter("hysteresis_rpm", 4.0, "a band is left only when this far outside, r/min", 0.0, 100.0),
     Parameter("debounce", 0.03, "time a worse level has to last, s", 0.0, 10.0),
     Parameter("hold", 0.3, "time a better level has to last, s", 0.0, 60.0),
+    Parameter("state_period", 1.0, "time between two messages of the model's state, s", 0.1, 600.0),
     Parameter("section_points", 256, "section points kept and published", 1, 10000),
 )
 
-_TRIP_QOS = QoSProfile(depth=1, durability=DurabilityPolicy.TRANSIENT_LOCAL)
+_LATCHED_QOS = QoSProfile(depth=1, durability=DurabilityPolicy.TRANSIENT_LOCAL)
 _OUTPUT_QOS = QoSProfile(depth=10)
 
 
@@ -51,6 +53,7 @@ class Monitor(Node):
         self._settings = declare(self, PARAMETERS)
         self._session = self._make_session(self._load())
         self._health = SolverHealth(self._settings["publish_rate"])
+        self._state_ticker = StateTicker(self._settings["state_period"])
         self._forces_due = False
         self._intake = Intake(self, self._settings, self._feed)
         self._publish_on()
@@ -80,11 +83,12 @@ class Monitor(Node):
 
     def _publish_on(self) -> None:
         self._input = self.create_publisher(JointState, topics.MODEL_INPUT.name, _OUTPUT_QOS)
+        self._model_state = self.create_publisher(JointState, topics.MODEL_STATE.name, _LATCHED_QOS)
         self._mesh_state = self.create_publisher(JointState, topics.MESH_STATE.name, _OUTPUT_QOS)
         self._mesh_force = self.create_publisher(JointState, topics.MESH_FORCE.name, _OUTPUT_QOS)
         self._poincare = self.create_publisher(PointCloud2, topics.POINCARE.name, _OUTPUT_QOS)
         self._warning = self.create_publisher(DiagnosticStatus, topics.CHAOS_WARNING.name, _OUTPUT_QOS)
-        self._trip = self.create_publisher(Bool, topics.IN_FORBIDDEN_BAND.name, _TRIP_QOS)
+        self._trip = self.create_publisher(Bool, topics.IN_FORBIDDEN_BAND.name, _LATCHED_QOS)
         self._diagnostics = self.create_publisher(DiagnosticArray, topics.DIAGNOSTICS.name, _OUTPUT_QOS)
         self._publish_warning()
 
@@ -125,6 +129,8 @@ class Monitor(Node):
         self._forces_due = False
         self._mesh_force.publish(messages.mesh_force(self._stamp_ns, windows))
         self._mesh_state.publish(messages.mesh_state(self._stamp_ns, reading.contacts))
+        if self._state_ticker.due(self._stamp_ns):
+            self._model_state.publish(model_state(self._stamp_ns, self._intake.origin_ns, self._session))
 
     def _on_warning(self) -> None:
         silence = self._intake.silence()

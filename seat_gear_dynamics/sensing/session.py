@@ -73,6 +73,18 @@ class Session:
         self.section = np.empty((0, 3))
         self._windows = (ForceWindow(), ForceWindow())
 
+    def resume(self, state: Array) -> None:
+        """Go on from a sensor's `state`, as taken when force windows had just been taken.
+
+        From there on the same samples give the same force windows bit for bit. Regime, section and alarm start anew.
+        Raises ValueError for what is no such state.
+        """
+        self.sensor.state = state
+        self.verdict = self.alarm.stale("set to a state, waiting for input")
+        self.reading = None
+        self.section = np.empty((0, 3))
+        self._windows = (ForceWindow(), ForceWindow())
+
     def take_windows(self) -> tuple[ForceWindow, ForceWindow]:
         """Return the force windows gathered since this was last called, and start new ones."""
         gathered, self._windows = self._windows, (ForceWindow(), ForceWindow())

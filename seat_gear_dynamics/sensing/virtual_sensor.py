@@ -8,11 +8,14 @@ from numpy.typing import NDArray
 
 from seat_gear_dynamics.gears import GearTrain
 from seat_gear_dynamics.motion import Inputs, March, System, Window
-from seat_gear_dynamics.motion.march import DivergedError
+from seat_gear_dynamics.motion.march import WHOLE_NAMES, DivergedError
 from seat_gear_dynamics.sensing.reading import Contact, ForceWindow, Reading
 from seat_gear_dynamics.sensing.regime_watch import RegimeWatch
 
 Array = NDArray[np.float64]
+
+SENSOR_STATE_NAMES: tuple[str, ...] = (*WHOLE_NAMES, "restarted/s", "sample/s", "sample/frequency", "sample/N·m")
+"""What `VirtualSensor.state` holds: the motion, when it last restarted, and time, frequency and load of its sample."""
 
 
 class RejectedSampleError(ValueError):
@@ -55,6 +58,32 @@ class VirtualSensor:
     def reset(self) -> None:
         """Forget the motion; the next sample starts a new one. Counts are kept."""
         self._last = None
+
+    @property
+    def state(self) -> Array | None:
+        """All that the forces go on from, shape (58,) in the order of SENSOR_STATE_NAMES; None before a sample.
+
+        Set it on a sensor of the same train and `max_gap`: from there on the same samples give the same forces bit for
+        bit. The record of the regime is not part of it and begins anew; counts are kept. Raises ValueError for another
+        shape and for numbers that are not finite.
+        """
+        if self._last is None:
+            return None
+        t, inputs = self._last
+        return np.array([*self._march.whole, self._origin, t, inputs.frequency, inputs.load])
+
+    @state.setter
+    def state(self, value: Array) -> None:
+        given = np.asarray(value, dtype=float)
+        if given.shape != (len(SENSOR_STATE_NAMES),) or not np.isfinite(given).all():
+            raise ValueError(
+                f"The sensor's state has shape {given.shape} or numbers that are not finite; "
+                f"expected ({len(SENSOR_STATE_NAMES)},) finite numbers, as `state` returns them."
+            )
+        self._march.whole = given[: len(WHOLE_NAMES)]
+        self._origin, t, frequency, load = map(float, given[len(WHOLE_NAMES) :])
+        self._last = (t, Inputs(frequency, load))
+        self._watch.reset("the model was set to a state")
 
     def update(self, t: float, speed: float, load: float) -> Reading:
         """Advance the model to time `t` (s), where the drive turns at `speed` (rad/s of s1) under `load` (T4, N·m).

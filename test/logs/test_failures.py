@@ -157,7 +157,7 @@ def test_a_full_disk_at_the_end_keeps_the_data_without_the_summary(
 
     def full(file: disk.DurableFile, data: bytes) -> None:
         calls[0] += 1
-        if calls[0] > 3:  # the last chunk, its index and its ending have found room
+        if calls[0] > 2:  # the last chunk with its index, and its ending have found room
             raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
         put(file, data)
 

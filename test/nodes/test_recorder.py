@@ -2,41 +2,14 @@
 
 import signal
 from pathlib import Path
-from typing import Any
 
 import pytest
 from harness import Peer, Processes
+from recorder_control import Control
 
 from seat_gear_dynamics.gears import packaged_description
 from seat_gear_dynamics.logs.reader import Bag
 from seat_gear_dynamics.logs.topics import TOPICS
-
-
-class Control:
-    """Calls the recorder's services and reads its diagnostics."""
-
-    def __init__(self, peer: Peer) -> None:
-        self._peer = peer
-
-    def call(self, name: str) -> Any:
-        from std_srvs.srv import Trigger
-
-        client = self._peer.node.create_client(Trigger, f"/bench_recorder/{name}")
-        self._peer.wait(client.service_is_ready, f"the service {name}")
-        future = client.call_async(Trigger.Request())
-        self._peer.wait(future.done, f"the answer of {name}")
-        return future.result()
-
-    def wait_received(self, number: int) -> None:
-        """Wait until the recorder says that it has received so many speeds."""
-        self._peer.wait(lambda: self._received() >= number, f"{number} messages received")
-
-    def _received(self) -> int:
-        for array in reversed(self._peer.messages["/diagnostics"]):
-            for status in array.status:
-                if status.name == "bench_recorder: recording":
-                    return int({v.key: v.value for v in status.values}["motor/speed received"])
-        return 0
 
 
 @pytest.fixture

@@ -1,0 +1,185 @@
+"""What the analysis of a log costs: `python benchmarks/analysis.py [MINUTES …]` prints one JSON object a length.
+
+For each length a log at the default rates is made faster than real time, in a folder of its own that is removed
+afterwards, and analysed as `seat-gear analyze` does, in a process of its own: seconds, and the peak of its memory.
+`python benchmarks/analysis.py --write DIRECTORY SECONDS` only makes such a log.
+
+The log: the simulated bench plays up-down, one round of it goes through the monitor's session, and the round is written
+again and again with its stamps moved on. Messages, rates and sizes are those of a bench; the motion starts anew at each
+round, at standstill.
+"""
+
+import json
+import struct
+import subprocess
+import sys
+from collections.abc import Iterator
+from hashlib import sha256
+from pathlib import Path
+from tempfile import TemporaryDirectory
+from time import perf_counter
+from typing import Any, NamedTuple
+
+import numpy as np
+
+import seat_gear_dynamics.nodes  # noqa: F401  (makes rclpy importable)
+
+# isort: split
+from diagnostic_msgs.msg import DiagnosticArray
+from rclpy.serialization import serialize_message
+from sensor_msgs.msg import JointState
+from std_msgs.msg import Bool, Float64, Header
+
+from seat_gear_dynamics import __version__
+from seat_gear_dynamics.bench.drive import SimulatedBench
+from seat_gear_dynamics.bench.profiles import Profile, profile
+from seat_gear_dynamics.gears import GearTrain, load_train
+from seat_gear_dynamics.logs import topics
+from seat_gear_dynamics.logs.writer import BagWriter
+from seat_gear_dynamics.nodes import messages
+from seat_gear_dynamics.sensing import Session
+
+BEGIN_NS = 1_790_000_000_000_000_000
+STEP_NS = 20_000_000  # 50 Hz: samples and forces
+FIRST_NS = BEGIN_NS + STEP_NS
+"""Stamp of the first sample, t = 0 of the monitor."""
+EVERY_WARNING, EVERY_DIAGNOSTICS = 5, 50  # steps: 10 Hz and 1 Hz
+
+
+class Written(NamedTuple):
+    """A message of the round: topic, bytes, ns since the round's begin, and how its stamps are moved."""
+
+    topic: str
+    data: bytes
+    offset_ns: int
+    moved: str
+
+
+def round_of(train: GearTrain, played: Profile, *, seed: int = 0, seconds: float | None = None) -> Iterator[Written]:
+    """Yield what the bench and the monitor publish in one round of a profile, or in its first `seconds`."""
+    bench = SimulatedBench(played, sample_time=STEP_NS * 1e-9, seed=seed)
+    session = Session(train)
+    for step in range(1, 1 + int((seconds or played.duration) * 1e9) // STEP_NS):
+        sample = bench.step()
+        now = BEGIN_NS + step * STEP_NS
+        offset = step * STEP_NS
+        joint = JointState(
+            header=Header(stamp=messages.stamp(now)),
+            name=["seat_height"],
+            position=[],
+            velocity=[sample.speed],
+            effort=[sample.load],
+        )
+        yield written(topics.LOAD_TORQUE, Float64(data=sample.load), offset, "")
+        yield written(topics.MOTOR_SPEED, Float64(data=sample.speed), offset, "")
+        yield written(topics.JOINT_STATES, joint, offset, "stamp")
+        change = session.feed((now - FIRST_NS) * 1e-9, sample.speed, sample.load)
+        if change.changed or step % EVERY_WARNING == 0:
+            text = messages.chaos_warning("gear_monitor: chaos warning", change.verdict, change.reading)
+            yield written(topics.IN_FORBIDDEN_BAND, Bool(data=change.verdict.in_band), offset, "")
+            yield written(topics.CHAOS_WARNING, text, offset, "")
+        yield written(topics.MODEL_INPUT, messages.model_input(now, sample.speed, sample.load), offset, "stamp")
+        windows = session.take_windows()
+        if windows[0].duration:
+            yield written(topics.MESH_FORCE, messages.mesh_force(now, windows), offset, "stamp")
+            yield written(topics.MESH_STATE, messages.mesh_state(now, change.reading.contacts), offset, "stamp")
+        if step % EVERY_WARNING == 0:
+            yield written(topics.POINCARE, messages.poincare(now, session.section, FIRST_NS), offset, "cloud")
+        if step % EVERY_DIAGNOSTICS == 0:
+            status = messages.chaos_warning("gear_monitor: warning", change.verdict, change.reading)
+            array = DiagnosticArray(header=Header(stamp=messages.stamp(now)), status=[status])
+            yield written(topics.DIAGNOSTICS, array, offset, "stamp")
+
+
+def written(topic: topics.Topic, message: Any, offset_ns: int, moved: str) -> Written:
+    return Written(topic.absolute(), bytes(serialize_message(message)), offset_ns, moved)
+
+
+def moved_on(message: Written, by_ns: int) -> bytes:
+    """Return the message's bytes with its stamps `by_ns` later."""
+    if not message.moved or not by_ns:
+        return message.data
+    data = bytearray(message.data)
+    now = BEGIN_NS + message.offset_ns + by_ns
+    struct.pack_into("<iI", data, 4, now // 10**9, now % 10**9)
+    if message.moved == "cloud":
+        width = struct.unpack_from("<I", data, len(data) - 1 - 4 - 20 * _width(data))[0] // 20
+        layout = np.dtype({"names": ["t"], "formats": ["<f8"], "offsets": [12], "itemsize": 20})
+        begin = len(data) - 1 - 20 * width
+        points = np.frombuffer(data, layout, count=width, offset=begin)
+        points["t"] += by_ns * 1e-9
+    return bytes(data)
+
+
+def _width(data: bytearray) -> int:
+    """Return how many points a cloud holds: behind its stamp and its frame's name stand height and width."""
+    length = struct.unpack_from("<I", data, 12)[0]
+    behind = 16 + length
+    behind += (4 - behind) % 4
+    width: int = struct.unpack_from("<I", data, behind + 4)[0]
+    return width
+
+
+def write_log(
+    directory: Path, seconds: float, *, played: str = "up-down", seed: int = 0, sync_interval: float = 1.0
+) -> int:
+    """Write a log of `seconds` to `directory` and return its number of messages."""
+    train, chosen = load_train(), profile(played)
+    one = list(round_of(train, chosen, seed=seed, seconds=min(seconds, chosen.duration)))
+    length = 1 + one[-1].offset_ns // STEP_NS * STEP_NS
+    count = 0
+    with BagWriter(
+        directory,
+        system_text=train.text,
+        system_hash=sha256(train.text.encode()).hexdigest(),
+        software_version=__version__,
+        sync_interval_s=sync_interval,
+    ) as writer:
+        for topic in topics.TOPICS:
+            writer.add_topic(topic.absolute(), topic.type, topic.qos)
+        for n in range(int(seconds * 1e9 // length) + 1):
+            for message in one:
+                at = message.offset_ns + n * (length - 1)
+                if at > seconds * 1e9:
+                    return count
+                now = BEGIN_NS + at
+                writer.write(message.topic, moved_on(message, n * (length - 1)), now, now)
+                count += 1
+    return count
+
+
+def measure(minutes: float) -> dict[str, Any]:
+    """Return what the analysis of a log of `minutes` costs, without and with the model beside it."""
+    found: dict[str, Any] = {"minutes": minutes}
+    with TemporaryDirectory(prefix="seat_gear_analysis_") as folder:
+        log = Path(folder) / "log"
+        begin = perf_counter()
+        found["messages"] = write_log(log, 60 * minutes)
+        found["written_in_s"] = perf_counter() - begin
+        found["megabytes"] = sum(path.stat().st_size for path in log.iterdir()) / 1e6
+        for name, extra in (("log_alone", ["--no-model"]), ("whole", [])):
+            found[name] = in_a_process(["analyze", str(log), "--output", f"{folder}/{name}", "--json", *extra])
+    return found
+
+
+def in_a_process(arguments: list[str]) -> dict[str, float]:
+    code = (
+        "import sys, resource, contextlib, io; from seat_gear_dynamics.commands import main\n"
+        "with contextlib.redirect_stdout(io.StringIO()): code = main(sys.argv[1:])\n"
+        "print(resource.getrusage(resource.RUSAGE_SELF).ru_maxrss); sys.exit(code)"
+    )
+    begin = perf_counter()
+    done = subprocess.run([sys.executable, "-c", code, *arguments], capture_output=True, text=True, check=True)
+    return {"seconds": perf_counter() - begin, "peak_megabytes": int(done.stdout.split()[-1]) / 1024}
+
+
+def main(arguments: list[str]) -> None:
+    if arguments[:1] == ["--write"]:
+        print(write_log(Path(arguments[1]), float(arguments[2])))
+        return
+    for minutes in arguments or ["5", "60"]:
+        print(json.dumps(measure(float(minutes))), flush=True)
+
+
+if __name__ == "__main__":
+    main(sys.argv[1:])

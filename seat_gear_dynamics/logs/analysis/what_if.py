@@ -1,0 +1,125 @@
+"""Parameters other than the log's: a description with values replaced, and the alarm's settings by their node names."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from fnmatch import fnmatch
+from typing import Any, NamedTuple
+
+import yaml
+
+from seat_gear_dynamics.gears.units import RPM
+from seat_gear_dynamics.logs.errors import LogError
+from seat_gear_dynamics.sensing import AlarmSettings
+
+_ALARM = {
+    "margin_rpm": ("margin", RPM),
+    "horizon": ("horizon", 1.0),
+    "hysteresis_rpm": ("hysteresis", RPM),
+    "debounce": ("debounce", 1.0),
+    "hold": ("hold", 1.0),
+}
+_OTHERS = ("input_timeout", "section_points")
+MONITOR_NAMES = (*_ALARM, *_OTHERS)
+"""Parameters of the monitor that a replay knows, by the monitor's names."""
+
+
+class MonitorSettings(NamedTuple):
+    """What a monitor was run with beside the gear train; the monitor's defaults."""
+
+    alarm: AlarmSettings = AlarmSettings()
+    max_gap: float = 0.5
+    """s"""
+    section_points: int = 256
+
+
+def monitor_settings(given: Mapping[str, str]) -> MonitorSettings:
+    """Return the settings with those of `given` (monitor's name → number as text) replaced.
+
+    Raises LogError, naming the parameter, for an unknown one and for what is no possible number.
+    """
+    values = {name: _number(name, text) for name, text in given.items()}
+    for name in values:
+        if name not in MONITOR_NAMES:
+            raise LogError(
+                f"The parameter {name!r} is unknown; expected one of {', '.join(MONITOR_NAMES)}, or a parameter of the "
+                f"system by its path, such as meshes.s1_s2.damping_ratio."
+            )
+    alarm = {_ALARM[name][0]: value * _ALARM[name][1] for name, value in values.items() if name in _ALARM}
+    gap, points = values.get("input_timeout", 0.5), values.get("section_points", 256)
+    if gap <= 0 or points < 1:
+        raise LogError(
+            f"input_timeout is {gap:g} s and section_points {points:g}; expected more than 0 and at least 1."
+        )
+    try:
+        return MonitorSettings(AlarmSettings(**alarm), gap, int(points))
+    except ValueError as error:
+        raise LogError(str(error)) from error
+
+
+def with_values(text: str, given: Mapping[str, str]) -> str:
+    """Return the description `text` (YAML) with values replaced: path or pattern, as meshes.*.damping_ratio → value.
+
+    Values are in the unit that the description has for them. Raises LogError for a path that names no parameter; what
+    the values may be is checked when the description is read.
+    """
+    if not given:
+        return text
+    document = yaml.safe_load(text)
+    entries = _entries(document)
+    for entry in entries.values():  # YAML 1.1 takes 2.05e11 for a text
+        entry["value"] = _plain(entry["value"])
+    for pattern, value in given.items():
+        paths = [pattern] if pattern in entries else [path for path in entries if fnmatch(path, pattern)]
+        if not paths:
+            raise LogError(
+                f"The system has no parameter {pattern!r}; expected a path such as gears.s1.mass, "
+                f"meshes.s1_s2.backlash or model.load_scale."
+            )
+        for path in paths:
+            entries[path]["value"] = _plain(value)
+    replaced: str = yaml.safe_dump(document, allow_unicode=True, sort_keys=False)
+    return replaced
+
+
+def split(settings: list[str]) -> tuple[dict[str, str], dict[str, str]]:
+    """Return NAME=VALUE settings as (of the system, of the monitor); a name with a dot is the system's.
+
+    Raises LogError for what is no NAME=VALUE.
+    """
+    system: dict[str, str] = {}
+    monitor: dict[str, str] = {}
+    for setting in settings:
+        name, equals, value = setting.partition("=")
+        if not equals or not name or not value:
+            raise LogError(f"--set got {setting!r}, expected NAME=VALUE, such as meshes.s1_s2.damping_ratio=0.09.")
+        (system if "." in name else monitor)[name] = value
+    return system, monitor
+
+
+def _number(name: str, text: str) -> float:
+    try:
+        return float(text)
+    except ValueError as error:
+        raise LogError(f"The parameter {name} is {text!r}, expected a number.") from error
+
+
+def _plain(value: Any) -> Any:
+    """Return a text as the number, truth value or list that it spells, else as it is."""
+    if not isinstance(value, str):
+        return [_plain(item) for item in value] if isinstance(value, list) else value
+    try:
+        return float(value)
+    except ValueError:
+        return yaml.safe_load(value) if value.startswith("[") or value in ("true", "false") else value
+
+
+def _entries(node: Any, path: str = "") -> dict[str, dict[str, Any]]:
+    if isinstance(node, dict) and "value" in node:
+        return {path: node}
+    found: dict[str, dict[str, Any]] = {}
+    pairs = node.items() if isinstance(node, dict) else enumerate(node) if isinstance(node, list) else ()
+    for key, child in pairs:
+        name = f"{path}[{key}]" if isinstance(key, int) else f"{path}.{key}" if path else str(key)
+        found |= _entries(child, name)
+    return found

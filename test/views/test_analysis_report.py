@@ -1,0 +1,142 @@
+"""The report of an analysis: one file that asks nobody for anything, every figure, honest about what is missing."""
+
+import re
+from dataclasses import replace
+from html.parser import HTMLParser
+from pathlib import Path
+
+import pytest
+
+from seat_gear_dynamics.gears import load_train
+from seat_gear_dynamics.logs.analysis import Analysis, ModelSettings, analyse
+from seat_gear_dynamics.logs.analysis.tables import tables
+from seat_gear_dynamics.views.analysis import figures, page, summary, summary_lines
+from seat_gear_dynamics.views.analysis.page import Picture
+from seat_gear_dynamics.views.figures.style import save
+
+ROOT = Path(__file__).parents[2]
+SMALL = ModelSettings(dwells=2, sweep_points=3, map_speeds=3, transient=20, periods=50)
+VOID = {"meta", "img", "br", "link"}
+
+
+class Outline(HTMLParser):
+    """Checks that tags are closed in order and keeps what points elsewhere."""
+
+    def __init__(self) -> None:
+        super().__init__()
+        self.open: list[str] = []
+        self.pointers: list[str] = []
+        self.ids: list[str] = []
+        self.tags: set[str] = set()
+
+    def handle_starttag(self, tag: str, attrs: list[tuple[str, str | None]]) -> None:
+        self.tags.add(tag)
+        self.pointers += [value or "" for key, value in attrs if key in ("src", "href", "srcset", "action")]
+        self.ids += [value or "" for key, value in attrs if key == "id"]
+        if tag not in VOID:
+            self.open.append(tag)
+
+    def handle_endtag(self, tag: str) -> None:
+        assert self.open.pop() == tag
+
+
+@pytest.fixture(scope="module")
+def found() -> Analysis:
+    return analyse(ROOT / "bags" / "bench_dwell", load_train(), model=SMALL)
+
+
+@pytest.fixture(scope="module")
+def pictures(found: Analysis, tmp_path_factory: pytest.TempPathFactory) -> list[Picture]:
+    folder = tmp_path_factory.mktemp("figures")
+    written = []
+    for drawn in figures(found):
+        path = folder / f"{drawn.name}.png"
+        save(drawn.figure, path)
+        written.append(Picture(path, drawn.section, drawn.caption, drawn.tables))
+    return written
+
+
+def test_the_page_is_whole_and_asks_no_host(found: Analysis, pictures: list[Picture]) -> None:
+    text = page(found, pictures, version="1.2.3")
+    outline = Outline()
+    outline.feed(text)
+    assert outline.open == []
+    assert not {"script", "link", "iframe"} & outline.tags
+    for pointer in outline.pointers:
+        assert pointer.startswith(("data:image/png;base64,", "tables/", "#")), pointer[:60]
+    assert not re.search(r"url\(|@import|https?://", text.split("</style>")[0])
+    anchors = [pointer[1:] for pointer in outline.pointers if pointer.startswith("#")]
+    assert sorted(anchors) == sorted(outline.ids)
+    assert text.count("data:image/png") == len(pictures)
+
+
+def test_every_link_to_a_table_has_its_table(found: Analysis, pictures: list[Picture]) -> None:
+    links = set(re.findall(r'href="tables/([^"]+)\.csv"', page(found, pictures, version="0")))
+    assert links <= set(tables(found))
+    assert {name for picture in pictures for name in picture.tables} == links
+
+
+def test_the_page_carries_the_provenance(found: Analysis, pictures: list[Picture]) -> None:
+    text = page(found, pictures, version="1.2.3")
+    for _, _, digest in found.provenance.files:
+        assert digest in text
+    assert found.provenance.system_hash in text
+    assert "1.2.3" in text
+    assert "as the monitor published them" in text
+    assert "prefers-color-scheme: dark" in text
+
+
+def test_names_from_a_log_cannot_break_out_of_the_page(found: Analysis) -> None:
+    evil = replace(found.provenance, log=Path("<script>alert(1)</script>"), drive_topics=("/<b>",))
+    text = page(replace(found, provenance=evil, damage="<i>torn</i>"), [], version="0")
+    assert "<script>" not in text
+    assert "<b>" not in text.replace("<b>", "", text.count('"><b>') + text.count("<div><b>"))
+    assert "&lt;i&gt;torn&lt;/i&gt;" in text
+
+
+@pytest.fixture(scope="module")
+def bare(tmp_path_factory: pytest.TempPathFactory) -> Analysis:
+    """An analysis of a log with topics and no message."""
+    from seat_gear_dynamics.logs import topics
+    from seat_gear_dynamics.logs.writer import BagWriter
+
+    path = tmp_path_factory.mktemp("bare") / "log"
+    with BagWriter(path, system_text="", system_hash="", software_version="0") as writer:
+        for topic in (topics.MOTOR_SPEED, topics.LOAD_TORQUE):
+            writer.add_topic(topic.absolute(), topic.type)
+    return analyse(path, load_train(), model=SMALL)
+
+
+def test_a_log_without_a_message_gives_a_page_and_figures_that_say_so(bare: Analysis, tmp_path: Path) -> None:
+    for drawn in figures(bare):
+        save(drawn.figure, tmp_path / f"{drawn.name}.png")
+        assert (tmp_path / f"{drawn.name}.png").read_bytes().startswith(b"\x89PNG")
+    assert "never stood long enough" in page(bare, [Picture(tmp_path / "bands.png", "Dwells", "", ())], version="0")
+    assert "no stay in a band and no ERROR" in summary_lines(bare)
+    assert summary(bare)["bands"][0]["forces"]["s1_s2"]["mean"] is None
+
+
+def test_figures_of_histories_and_bifurcation_show_the_analysis_own_numbers(found: Analysis) -> None:
+    drawn = {each.name: each.figure for each in figures(found)}
+    speed = drawn["histories"].axes[0]
+    lines = [line for line in speed.lines if len(line.get_xdata()) > 50]
+    assert len(lines) == 1
+    assert max(lines[0].get_ydata()) == pytest.approx(1350, abs=10)
+    recorded = drawn["bifurcation"].axes[0].lines[0]
+    assert len(recorded.get_xdata()) == len(found.cloud.points(1))
+    for name, figure in drawn.items():
+        for axes in figure.axes:
+            labels = axes.get_xlabel() + axes.get_ylabel()
+            assert labels or not axes.has_data() or len(figure.axes) > 1, f"{name} has axes without a quantity"
+
+
+def test_the_summary_counts_what_the_analysis_found(found: Analysis) -> None:
+    values = summary(found)
+    assert values["duration"] == found.duration
+    spans = [span for span, _, _ in found.levels.spans]  # the recorder hears the first warning later than other topics
+    assert sum(values["warning_time"].values()) == pytest.approx(spans[-1].end - spans[0].begin)
+    assert values["detection"]["stays"] == len(found.detection.episodes) > 0
+    assert values["topics"]["/gear_monitor/input"]["count"] == 801
+    text = "\n".join(summary_lines(found))
+    assert "1349-1359 r/min (forbidden)" in text
+    assert "as logged" in text
