@@ -80,6 +80,7 @@ def as_dict(found: "Reproduction") -> dict[str, object]:
 
 def write(found: "Reproduction", page: "Path") -> None:
     """Write the page, its figures and its numbers; raises OSError where they cannot be written."""
+    from seat_gear_dynamics.studies.reproduction.survey import PERIODS, TRANSIENT
     from seat_gear_dynamics.views.figures.paper import paper_figures
     from seat_gear_dynamics.views.figures.style import save
     from seat_gear_dynamics.views.reproduction import markdown
@@ -93,8 +94,8 @@ def write(found: "Reproduction", page: "Path") -> None:
     train = found.system.train
     setting = (
         f"Model: {train.name}, load scale {train.model.load_scale:.4g} (mesh force over the static force of the stated "
-        f"torque), b_c {train.model.displacement_scale * 1e6:.3g} µm; every motion from rest at static deflection, 600 "
-        f"mesh periods run in, 400 judged."
+        f"torque), b_c {train.model.displacement_scale * 1e6:.3g} µm; every motion from rest at static deflection, "
+        f"{TRANSIENT} mesh periods run in, {PERIODS} judged."
     )
     text = markdown(
         found.claims,

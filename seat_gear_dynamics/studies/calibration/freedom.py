@@ -51,14 +51,14 @@ _ERROR = "from ground gears to sintered ones of quality 9-10; section 2.5 puts d
 _MASS = "a bored or a flanged disc, as a share of the solid one"
 
 FREEDOMS = (
-    Freedom("k1", 3.2e6, 1.6e9, _STIFF, 0.18),
-    Freedom("k2", 3.2e6, 1.6e9, _STIFF, 0.18),
+    Freedom("k1", 1.0e6, 1.6e9, _STIFF, 0.18),
+    Freedom("k2", 1.0e6, 1.6e9, _STIFF, 0.18),
     Freedom("k1t", 1e2, 3.2e6, _TWIST, 0.28),
     Freedom("k2t", 1e2, 3.2e6, _TWIST, 0.28),
     Freedom("zeta1", 0.01, 0.25, _DAMP, 0.14),
     Freedom("zeta2", 0.01, 0.25, _DAMP, 0.14),
-    Freedom("zeta1t", 0.01, 0.5, _DAMP, 0.21),
-    Freedom("zeta2t", 0.01, 0.5, _DAMP, 0.21),
+    Freedom("zeta1t", 0.01, 1.0, _DAMP, 0.21),
+    Freedom("zeta2t", 0.01, 1.0, _DAMP, 0.21),
     Freedom("E1", 0.03e-6, 8e-6, _ERROR, 0.08),
     Freedom("psi1", -pi, pi, "any", 0.4, logarithmic=False),
     Freedom("E2", 0.01e-6, 5e-6, _ERROR, 0.18),

@@ -25,7 +25,7 @@ def restarts(
     runs: int,
     evaluations: int,
     seed: int,
-    starts: Sequence[tuple[int, Sequence[float]]] = STARTS,
+    starts: Sequence[tuple[int, Sequence[float]]] = tuple(STARTS.values()),
     report: Callable[[int, Candidate], None] | None = None,
 ) -> list[Candidate]:
     """Return the best candidate of each of `runs` runs of `evaluations` each, and the starts, best first.

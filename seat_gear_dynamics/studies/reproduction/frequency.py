@@ -9,7 +9,7 @@ from seat_gear_dynamics.gears.train import PUBLISHED_PAIRS
 from seat_gear_dynamics.gears.units import RPM
 from seat_gear_dynamics.regimes.points import Point
 from seat_gear_dynamics.studies.reproduction.claim import Claim, graded
-from seat_gear_dynamics.studies.reproduction.survey import Seen, between, share, spell, windows
+from seat_gear_dynamics.studies.reproduction.survey import Seen, between, share, spell, standard_point, windows
 
 LOAD = 600.0
 FIRST, LAST, STEP = 0.1, 2.01, 0.01
@@ -23,12 +23,12 @@ _SETTING = "ξ 0.07, b 20 µm, T4 600 N·m"
 def frequency_points(**options: float) -> list[Point]:
     """Return the points of Fig. 8's interval; `options` go to each Point."""
     count = round((LAST - FIRST) / STEP) + 1
-    return [Point(float(f), LOAD, **options) for f in np.linspace(FIRST, LAST, count)]  # type: ignore[arg-type]
+    return [standard_point(float(f), LOAD, **options) for f in np.linspace(FIRST, LAST, count)]
 
 
 def close_points() -> list[Point]:
     """Return points four times as close about the claimed window of C2."""
-    return [Point(float(f), LOAD) for f in np.arange(C2_WINDOW[0], C2_WINDOW[1] + 1e-9, 0.0025)]
+    return [standard_point(float(f), LOAD) for f in np.arange(C2_WINDOW[0], C2_WINDOW[1] + 1e-9, 0.0025)]
 
 
 def period_one(seen: Sequence[Seen]) -> Claim:

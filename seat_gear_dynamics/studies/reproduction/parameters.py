@@ -8,7 +8,7 @@ import numpy as np
 from seat_gear_dynamics.regimes.points import Point
 from seat_gear_dynamics.studies.reproduction.claim import Claim, graded
 from seat_gear_dynamics.studies.reproduction.frequency import ENOUGH
-from seat_gear_dynamics.studies.reproduction.survey import Seen, share, spell, windows
+from seat_gear_dynamics.studies.reproduction.survey import Seen, share, spell, standard_point, windows
 
 DAMPING_RATIOS = (0.07, 0.09, 0.11, 0.13)
 LIGHT_LOAD = 100.0
@@ -18,12 +18,12 @@ LIGHT_LOAD = 100.0
 def load_points() -> list[Point]:
     """Return the points of Fig. 15: Ω = 1, loads up to 640 N·m, four times as close about 420."""
     loads = np.union1d(np.arange(20.0, 641.0, 10.0), np.arange(400.0, 441.0, 2.5))
-    return [Point(1.0, float(load)) for load in loads]
+    return [standard_point(1.0, float(load)) for load in loads]
 
 
 def backlash_points() -> list[Point]:
     """Return points over the backlash at C10's load and Ω = 1, in equal ratios from 3 to 90 µm."""
-    return [Point(1.0, LIGHT_LOAD, backlash=float(b) * 1e-6) for b in np.geomspace(3.0, 90.0, 96)]
+    return [standard_point(1.0, LIGHT_LOAD, backlash=float(b) * 1e-6) for b in np.geomspace(3.0, 90.0, 96)]
 
 
 def stable_region(sweeps: Mapping[float, Sequence[Seen]]) -> Claim:

@@ -19,7 +19,7 @@ from seat_gear_dynamics.studies.reproduction.announced import Announced, announc
 from seat_gear_dynamics.studies.reproduction.claim import Claim
 from seat_gear_dynamics.studies.reproduction.errata import Erratum, errata
 from seat_gear_dynamics.studies.reproduction.geometry import mesh_stiffness_claim
-from seat_gear_dynamics.studies.reproduction.survey import Seen, survey
+from seat_gear_dynamics.studies.reproduction.survey import TRANSIENT, Seen, survey
 from seat_gear_dynamics.studies.reproduction.verification import as_claim
 
 Progress = Callable[[str, int, int], None]
@@ -49,7 +49,7 @@ class Reproduction:
 def reproduce(system: System, progress: Progress | None = None) -> Reproduction:
     """Return the reproduction of the paper on `system`; takes minutes.
 
-    Every motion starts from rest at static deflection, runs in for 600 mesh periods and is judged on 400. Raises
+    Every motion starts from rest at static deflection, runs in for 1000 mesh periods and is judged on 800. Raises
     DivergedError where a motion of a figure blows up; in a survey that is an outcome.
     """
 
@@ -116,7 +116,7 @@ def _motions(system: System, little_damping: Sequence[Seen], length_unit: float)
             train = train.with_mesh(index, damping_ratio=point.damping_ratio, backlash=point.backlash)
         own = System(train).at(frequency=point.frequency, load=point.load)
         try:
-            found[name] = (own, history(own))
+            found[name] = (own, history(own, transient=TRANSIENT))
         except DivergedError as error:
             raise DivergedError(f"{name}: {error}") from error
     return found

@@ -12,6 +12,9 @@ from seat_gear_dynamics.regimes import Regime, classify
 from seat_gear_dynamics.regimes.points import Motion, Point, respond
 
 Array = NDArray[np.float64]
+TRANSIENT, PERIODS = 1000, 800
+"""Mesh periods run in and judged: soft torsional supports let some motions settle over many hundred periods."""
+
 Progress = Callable[[int, int], None]
 """Called with (points done, points in all)."""
 
@@ -49,6 +52,11 @@ class Seen:
         if self.regime is None:
             return "diverged"
         return f"period-{self.regime.period}" if self.regime.period is not None else self.regime.name
+
+
+def standard_point(frequency: float, load: float, **options: float) -> Point:
+    """Return a point to be looked at for as long as every verdict is; `options` are damping_ratio and backlash (m)."""
+    return Point(frequency, load, transient=TRANSIENT, periods=PERIODS, **options)  # type: ignore[arg-type]
 
 
 def survey(train: GearTrain, points: Sequence[Point], progress: Progress | None = None) -> list[Seen]:

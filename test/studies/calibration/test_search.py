@@ -15,6 +15,7 @@ from seat_gear_dynamics.studies.calibration.sensitivity import sensitivity
 from seat_gear_dynamics.studies.calibration.starts import STARTS
 
 MakeTrain = Callable[..., GearTrain]
+START = STARTS["prototype B"]
 
 
 def bowl(base: GearTrain, coordinates: object, harmonics: int, *, threads: int | None = None) -> Candidate:
@@ -22,20 +23,20 @@ def bowl(base: GearTrain, coordinates: object, harmonics: int, *, threads: int |
     values = tuple(f.value(float(c)) for f, c in zip(FREEDOMS, coordinates, strict=True))  # type: ignore[call-overload]
     short = sum(
         (f.code(v) - f.code(w) - (0.3 if i == 0 else 0.0)) ** 2
-        for i, (f, v, w) in enumerate(zip(FREEDOMS, values, STARTS[1][1], strict=True))
+        for i, (f, v, w) in enumerate(zip(FREEDOMS, values, START[1], strict=True))
     )
     return Candidate(values, harmonics, float(short), {})
 
 
 def started(train: GearTrain) -> GearTrain:
-    return Candidate(tuple(STARTS[1][1]), 10, 0.0, {}).train(train)
+    return Candidate(tuple(START[1]), 10, 0.0, {}).train(train)
 
 
 def test_the_search_goes_down_to_a_known_lowest_point(train: GearTrain, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(module, "evaluate", bowl)
     best = search(started(train), harmonics=3, evaluations=4800, seed=1)
     assert best.cost < 1e-6
-    assert best.values[0] == pytest.approx(STARTS[1][1][0] * 10**0.3, rel=1e-3)
+    assert best.values[0] == pytest.approx(START[1][0] * 10**0.3, rel=1e-3)
 
 
 def test_the_same_seed_gives_the_same_set(train: GearTrain, monkeypatch: pytest.MonkeyPatch) -> None:
@@ -45,7 +46,7 @@ def test_the_same_seed_gives_the_same_set(train: GearTrain, monkeypatch: pytest.
 
 
 def test_a_set_is_worth_the_same_however_many_threads_look_at_it(train: GearTrain) -> None:
-    harmonics, values = STARTS[0]
+    harmonics, values = START
     coordinates = [f.code(v) for f, v in zip(FREEDOMS, values, strict=True)]
     one, two = (evaluate(train, coordinates, harmonics, threads=n) for n in (1, 2))
     assert one == two
@@ -65,19 +66,17 @@ def test_restarts_keep_the_best_and_need_a_start(train: GearTrain, monkeypatch: 
     monkeypatch.setattr(module, "evaluate", bowl)
     monkeypatch.setattr(many, "evaluate", bowl)
     told: list[int] = []
-    found = restarts(
-        train, runs=2, evaluations=320, seed=3, starts=STARTS[1:2], report=lambda run, best: told.append(run)
-    )
+    found = restarts(train, runs=2, evaluations=320, seed=3, starts=[START], report=lambda run, best: told.append(run))
     assert told == [0, 1]
     assert len(found) == 3
-    start = bowl(train, [f.code(v) for f, v in zip(FREEDOMS, STARTS[1][1], strict=True)], 10)
+    start = bowl(train, [f.code(v) for f, v in zip(FREEDOMS, START[1], strict=True)], 10)
     assert found[0].cost == min(c.cost for c in found) < start.cost
     with pytest.raises(ValueError, match="no set to start from"):
         restarts(train, runs=1, evaluations=16, seed=1, starts=())
 
 
 def test_sets_that_are_nearly_alike_count_once() -> None:
-    first = Candidate(tuple(STARTS[1][1]), 3, 1.0, {})
+    first = Candidate(tuple(START[1]), 3, 1.0, {})
     twin = replace(first, cost=2.0, values=(first.values[0] * 1.01, *first.values[1:]))
     other = replace(first, cost=3.0, values=(first.values[0] * 2.0, *first.values[1:]))
     assert distinct([other, twin, first]) == [first, other]
