@@ -27,8 +27,13 @@ TEST = [
     "hypothesis>=6.98",  # property tests
 ]
 
+CALIBRATION = [
+    "cma>=4.0",  # covariance matrix adaptation for `seat-gear calibrate`; nothing else needs it
+]
+
 DEVELOPMENT = [
     *TEST,
+    *CALIBRATION,
     "mypy>=1.13",  # types
     "types-PyYAML",  # types of PyYAML
     "ruff>=0.8",  # lint and format
@@ -50,7 +55,7 @@ setup(
         (f"{SHARE}/launch", glob("launch/*.launch.py")),
     ],
     install_requires=REQUIREMENTS,
-    extras_require={"test": TEST, "dev": DEVELOPMENT},
+    extras_require={"test": TEST, "dev": DEVELOPMENT, "calibration": CALIBRATION},
     zip_safe=False,
     entry_points={
         "console_scripts": [

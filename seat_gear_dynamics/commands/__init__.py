@@ -18,7 +18,10 @@ COMMANDS = {
     "stiffness": "stiffness",
     "sweep": "sweep",
     "map": "map",
+    "harmonic": "harmonic",
     "taguchi": "taguchi",
+    "calibrate": "calibrate",
+    "reproduce": "reproduce",
     "analyze": "analyze",
     "replay": "replay",
 }

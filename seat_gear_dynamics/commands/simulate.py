@@ -53,7 +53,7 @@ def run(arguments: argparse.Namespace) -> int:
         return 0
     print(f"Ω = {result.frequency:.4f} ({result.speed_rpm:.1f} r/min of s1), T4 = {result.load:g} N·m")
     print(f"motion of s1_s2: {result.regime.label}; {result.regime.reason}")
-    print(f"mesh forces in N, at load scale {result.load_scale:g} of the static force:")
+    print(f"mesh forces in N, at load scale {result.load_scale:.4g} of the static force:")
     print(f"{'mesh':8s}{'mean':>10s}{'min':>10s}{'max':>10s}{'rms':>10s}{'contact loss':>14s}{'static':>10s}")
     for mesh, f in result.meshes.items():
         print(f"{mesh:8s}{f.mean:10.1f}{f.min:10.1f}{f.max:10.1f}{f.rms:10.1f}{f.contact_loss:14.1%}{f.static:10.0f}")

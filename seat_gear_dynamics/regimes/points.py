@@ -1,13 +1,14 @@
-"""Operating points in, motions out: the one seam between questions about regimes and the compiled march.
+"""Operating points in, motions out: the one seam between questions about regimes and the compiled kernels.
 
-Points are independent of each other, so that however they are shared out over threads (or later over lanes of one
-loop) changes no number. Only `follow` hands the state of a point on to the next.
+Points are marched in lanes, many at once, and by `motion.integrate` where lanes cannot. They are independent of each
+other: how they are shared out over lanes and threads changes no number. Only `follow` hands a state on to the next.
 """
 
 from collections import deque
 from collections.abc import Generator, Iterable, Iterator, Sequence
 from concurrent.futures import Future, ThreadPoolExecutor
 from dataclasses import dataclass, replace
+from itertools import islice
 from math import inf, isfinite, pi
 from os import cpu_count
 from typing import TypeVar
@@ -17,13 +18,16 @@ from numpy.typing import NDArray
 
 from seat_gear_dynamics.gears import GearTrain
 from seat_gear_dynamics.motion import OperatingPoint, System, Window, integrate
+from seat_gear_dynamics.motion.lanes import WIDTH, in_reach, respond_lanes, supports
 from seat_gear_dynamics.motion.march import DivergedError
 from seat_gear_dynamics.regimes.classification import Regime, classify, undecided
 
 Array = NDArray[np.float64]
 Item = TypeVar("Item")
 
-_IN_FLIGHT = 4  # points per worker submitted ahead of the one that is read: enough to keep all busy, little to hold
+BATCH = 2 * WIDTH
+"""Points that are marched together."""
+_IN_FLIGHT = 2  # batches per worker submitted ahead of the one that is read: enough to keep all busy, little to hold
 
 
 @dataclass(frozen=True, eq=False)
@@ -75,11 +79,11 @@ class Motion:
     section: Array
     """Stroboscopic Poincaré section of P12 at mesh phase 0, (periods, 2): δ/b_c and its rate per τ."""
     growth: Array
-    """Logarithmic growth of P12's tangent over each sampled period, (periods,)."""
+    """Logarithmic growth of P12's tangent, or a coupled train's, over each sampled period, (periods,)."""
     forces: tuple[Window, ...]
     """Dimensionless force statistics over the sampled periods: of P12, and of P34 where it was integrated."""
     state: Array
-    """Final state, (24,), at mesh phase 0."""
+    """Final state, (24,), at mesh phase 0; P34 as it started where it was not integrated."""
     interval: float
     """Mesh period of P12 in τ."""
 
@@ -97,26 +101,27 @@ Answer = Motion | Diverged
 def respond(train: GearTrain, points: Iterable[Point], *, workers: int | None = None) -> Iterator[Answer]:
     """Yield the answer to each of `points` of `train`, in their order, as they become ready.
 
-    Points are integrated in `workers` threads (default: as many as processors), few ahead of the one yielded, so that
-    memory stays bounded however many points there are. Answers depend neither on the number of threads nor on the
-    order of points. Closing the iterator drops what has not begun. Raises ValueError where `workers` is below 1.
+    Points are marched BATCH at a time in `workers` threads (default: as many as processors), few batches ahead of the
+    answer yielded, so that memory stays bounded however many points there are. Answers depend neither on the number of
+    threads nor on the order of points. Closing the iterator drops what has not begun. Raises ValueError where
+    `workers` is below 1.
     """
     count = (cpu_count() or 1) if workers is None else workers
     if count < 1:
         raise ValueError(f"Asked for {count} workers, expected at least 1.")
-    return _stream(train, points, count)
+    return _stream(train, iter(points), count)
 
 
-def _stream(train: GearTrain, points: Iterable[Point], workers: int) -> Iterator[Answer]:
+def _stream(train: GearTrain, points: Iterator[Point], workers: int) -> Iterator[Answer]:
     pool = ThreadPoolExecutor(workers)
-    waiting: deque[Future[Answer]] = deque()
+    waiting: deque[Future[list[Answer]]] = deque()
     try:
-        for point in points:
-            waiting.append(pool.submit(answer, train, point))
+        while batch := list(islice(points, BATCH)):
+            waiting.append(pool.submit(_answers, train, batch))
             if len(waiting) >= _IN_FLIGHT * workers:
-                yield waiting.popleft().result()
+                yield from waiting.popleft().result()
         while waiting:
-            yield waiting.popleft().result()
+            yield from waiting.popleft().result()
     finally:
         pool.shutdown(cancel_futures=True)
 
@@ -138,6 +143,59 @@ def follow(train: GearTrain, points: Iterable[Point]) -> Iterator[Answer]:
 
 def answer(train: GearTrain, point: Point) -> Answer:
     """Return the motion of `train` at `point`, or that it diverged."""
+    return _answers(train, [point])[0]
+
+
+def _answers(train: GearTrain, points: Sequence[Point]) -> list[Answer]:
+    """Return the answers to `points`: those that lanes can march all at once, the others one by one."""
+    found: dict[int, Answer] = {}
+    alike: dict[tuple[object, ...], list[int]] = {}
+    marched = in_reach(train, np.array([p.frequency for p in points])) & supports(train)
+    for index, point in enumerate(points):
+        if marched[index]:
+            given = (point.damping_ratio is None, point.backlash is None, point.state is None)
+            alike.setdefault((point.transient, point.periods, given), []).append(index)
+        else:
+            found[index] = _integrated(train, point)
+    for own in alike.values():
+        found |= zip(own, _in_lanes(train, [points[index] for index in own]), strict=True)
+    return [found[index] for index in range(len(points))]
+
+
+def _in_lanes(train: GearTrain, points: Sequence[Point]) -> list[Answer]:
+    """Return the answers to points of one run-in and record, each giving the same of damping, backlash and state."""
+    first = points[0]
+    found = respond_lanes(
+        train,
+        [p.frequency for p in points],
+        [p.load for p in points],
+        damping_ratio=None if first.damping_ratio is None else [p.damping_ratio or 0.0 for p in points],
+        backlash=None if first.backlash is None else [p.backlash or 0.0 for p in points],
+        state=None if first.state is None else np.array([p.state for p in points], dtype=float),
+        transient=first.transient,
+        periods=first.periods,
+        threads=1,
+    )
+    answers: list[Answer] = []
+    for lane, point in enumerate(points):
+        if found.diverged[lane]:
+            answers.append(_diverged(point))
+            continue
+        forces = tuple(Window(*map(float, window)) for window in found.windows[lane])
+        interval = 2 * pi / abs(point.frequency)
+        answers.append(Motion(found.section[lane], found.growth[lane], forces, found.state[lane], interval))
+    return answers
+
+
+def _diverged(point: Point) -> Diverged:
+    return Diverged(
+        f"The motion diverged at frequency {point.frequency:.6g} and load {point.load:.6g} N·m: the parameters are "
+        f"unstable there (parametric resonance) or damping is too low; change them, or the initial state."
+    )
+
+
+def _integrated(train: GearTrain, point: Point) -> Answer:
+    """Return the answer to a point by the march of a single motion."""
     system = System(point.applied_to(train), OperatingPoint(point.frequency, point.load))
     try:
         found = integrate(system, transient=point.transient, periods=point.periods, state=point.state)

@@ -113,7 +113,7 @@ class Alarm:
         band = self._inside or self._nearest(magnitude)
         distance = _distance(band, magnitude) if band else None
         sign = -1.0 if speed < 0 else 1.0
-        calm = self.calm_speed(magnitude)
+        calm = self.calm_speed(magnitude, rattling=regime.name == "chaotic")
         return Verdict(level, reason, in_band, band, distance, ahead, None if calm is None else sign * calm)
 
     def stale(self, reason: str) -> Verdict:
@@ -121,10 +121,16 @@ class Alarm:
         self.reset()
         return Verdict(Level.STALE, reason, False, None, None, None, None)
 
-    def calm_speed(self, magnitude: float) -> float | None:
-        """Return the |speed| nearest to `magnitude`, rad/s, outside every band by the margin; None if there is none."""
+    def calm_speed(self, magnitude: float, *, rattling: bool = False) -> float | None:
+        """Return the |speed| nearest to `magnitude`, rad/s, outside every band by the margin; None if there is none.
+
+        Where the drive is `rattling` at `magnitude` itself, that speed is none either, whatever the bands say, nor are
+        those within the margin of it.
+        """
         margin = self.settings.margin
         blocked = [(band.low - margin, band.high + margin) for band in self.bands]
+        if rattling:
+            blocked.append((magnitude - margin, magnitude + margin))
         candidates = [magnitude, self.covered_speed, *(edge for pair in blocked for edge in pair)]
         calm = [
             c for c in candidates if 0 <= c <= self.covered_speed and not any(low < c < high for low, high in blocked)

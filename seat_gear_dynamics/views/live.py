@@ -129,7 +129,7 @@ def _forces(state: LiveState) -> Table:
     for row, mesh in enumerate(("s1_s2", "s3_s4")):
         s = state.meshes.get(mesh)
         values = ["–"] * 4 if s is None else [f"{v:.0f} N" for v in (s.mean, s.min, s.max, s.rms)]
-        note = f"load scale {state.load_scale:g}" if row == 0 else ""
+        note = f"load scale {state.load_scale:.4g}" if row == 0 else ""
         table.add_row(Text(mesh, TERMINAL_MESHES[row]), *values, note)
     return table
 

@@ -97,7 +97,7 @@ def _draw_force(axes: Axes, run: Run, mesh: str, colour: str, load_scale: float)
         run.force.time, effort[f"{mesh}/min"], effort[f"{mesh}/max"], color=colour, alpha=0.25, lw=0, label="min to max"
     )
     axes.plot(run.force.time, effort[f"{mesh}/mean"], color=colour, lw=1.0, label="mean")
-    _legend_above(axes, *axes.get_legend_handles_labels(), title=f"load scale {load_scale:g}")
+    _legend_above(axes, *axes.get_legend_handles_labels(), title=f"load scale {load_scale:.4g}")
 
 
 def _legend_above(axes: Axes, handles: Any, labels: Any, *, title: str) -> None:

@@ -6,6 +6,7 @@ from pathlib import Path
 import numpy as np
 from harness import Peer, Processes
 
+from seat_gear_dynamics.gears import packaged_description
 from seat_gear_dynamics.logs.reader import Bag
 
 BAG = Path(__file__).parents[2] / "bags" / "third_party_bench"
@@ -13,9 +14,14 @@ OK, WARN, ERROR = range(3)
 
 
 def test_a_program_of_plain_cyclonedds_sees_warn_before_and_error_inside_a_band(
-    processes: Processes, domain_id: int
+    processes: Processes, domain_id: int, tmp_path: Path
 ) -> None:
-    processes.node("monitor")
+    # Well damped, the model is calm at every speed: what is warned of is the band, whatever the calibration.
+    calm = tmp_path / "calm.yaml"
+    text = packaged_description().read_text(encoding="utf-8")
+    assert text.count("damping_ratio: {value: 0.07,") == 2
+    calm.write_text(text.replace("damping_ratio: {value: 0.07,", "damping_ratio: {value: 0.5,"), encoding="utf-8")
+    processes.node("monitor", system=calm)
     bench = processes.start(str(Path(__file__).with_name("plain_dds_bench.py")), str(domain_id))
     assert bench.wait(120) == 0, processes.words(bench)
     found = json.loads(processes.words(bench).splitlines()[-1])

@@ -55,9 +55,13 @@ def test_every_node_is_the_simulation_of_its_speed_and_load(system: System, comp
         expected = simulate(system, speed=speed, load=load, transient=20, periods=48)
         assert NAMES[computed.codes[row, column]] == computed.regime_at(speed, load) == expected.regime.name
         assert computed.period[row, column] == (expected.regime.period or 0)
-        assert computed.lyapunov[row, column] == expected.regime.lyapunov
+        # The map is marched in lanes: the same steps but for rounding, and a tangent without its part across the lines
+        # of action, whose share in the exponent is within its error.
+        error = expected.regime.lyapunov_error
+        assert computed.lyapunov[row, column] == pytest.approx(expected.regime.lyapunov, abs=error)
         force = expected.meshes["s1_s2"]
-        assert (computed.contact_loss[row, column], computed.force_max[row, column]) == (force.contact_loss, force.max)
+        found = (computed.contact_loss[row, column], computed.force_max[row, column])
+        assert found == pytest.approx((force.contact_loss, force.max), rel=1e-9, abs=1e-9)
         assert computed.chaos[row, column] == 0.0
 
 

@@ -2,7 +2,7 @@
 
 from collections.abc import Callable
 from contextlib import closing
-from dataclasses import replace
+from dataclasses import astuple, replace
 from itertools import islice
 from math import log, pi
 from typing import Any
@@ -172,9 +172,11 @@ def test_a_cold_row_is_what_simulate_gives_there(light: System) -> None:
     assert found.directions == ("cold",)
     for row in found.rows:
         expected = simulate(light, damping=row.value, transient=5, periods=48)
-        assert row.force == expected.meshes["s1_s2"]
-        assert row.regime == expected.regime
-        assert row.section.tolist() == expected.response.section.tolist()
+        # Sweeps are marched in lanes: the same steps but for rounding.
+        assert row.force is not None
+        assert astuple(row.force) == pytest.approx(astuple(expected.meshes["s1_s2"]), rel=1e-9, abs=1e-9)
+        assert (row.regime.name, row.regime.period) == (expected.regime.name, expected.regime.period)
+        assert row.section == pytest.approx(expected.response.section, rel=1e-9, abs=1e-9)
 
 
 @pytest.mark.parametrize(
@@ -194,7 +196,8 @@ def test_every_quantity_means_what_simulate_means_by_it(
         row = next(rows)
     expected = simulate(light, transient=0, periods=4, **same)
     assert row.value == value
-    assert row.force == expected.meshes["s1_s2"]
+    assert row.force is not None
+    assert astuple(row.force) == pytest.approx(astuple(expected.meshes["s1_s2"]), rel=1e-9, abs=1e-9)  # rounding
 
 
 def test_rows_do_not_depend_on_the_number_of_threads(light: System) -> None:

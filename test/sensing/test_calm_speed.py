@@ -6,6 +6,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from seat_gear_dynamics.gears import ForbiddenBand
+from seat_gear_dynamics.regimes import Regime
 from seat_gear_dynamics.sensing import Alarm, AlarmSettings
 
 BANDS = st.lists(st.tuples(st.floats(1, 200), st.floats(0.1, 60)), max_size=4).map(
@@ -53,3 +54,12 @@ def test_beyond_the_studied_range_its_end_is_the_nearest_calm_speed() -> None:
 @pytest.mark.parametrize("magnitude", [0.0, 50.0, 300.0])
 def test_there_is_none_where_bands_fill_the_studied_range(magnitude: float) -> None:
     assert Alarm([ForbiddenBand(1, 250, 600.0)], covered_speed=200).calm_speed(magnitude) is None
+
+
+def test_a_speed_at_which_the_drive_rattles_is_not_calm_though_no_band_says_so() -> None:
+    alarm = Alarm([ForbiddenBand(100.0, 120.0, 600.0)], covered_speed=300.0, settings=AlarmSettings(margin=5.0))
+    assert alarm.calm_speed(90.0) == 90.0
+    assert alarm.calm_speed(90.0, rattling=True) in (85.0, 95.0)
+    assert alarm.calm_speed(94.0, rattling=True) == 89.0  # upwards lies the band
+    verdict = alarm.update(0.0, -94.0, 600.0, Regime("chaotic", None, 0.05, 0.001, "told so"))
+    assert verdict.calm_speed == -89.0
