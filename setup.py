@@ -31,9 +31,14 @@ CALIBRATION = [
     "cma>=4.0",  # covariance matrix adaptation for `seat-gear calibrate`; nothing else needs it
 ]
 
+PARQUET = [
+    "pyarrow>=16",  # Parquet beside the CSV tables of `seat-gear analyze --parquet`
+]
+
 DEVELOPMENT = [
     *TEST,
     *CALIBRATION,
+    *PARQUET,
     "mypy>=1.13",  # types
     "types-PyYAML",  # types of PyYAML
     "ruff>=0.8",  # lint and format
@@ -55,7 +60,7 @@ setup(
         (f"{SHARE}/launch", glob("launch/*.launch.py")),
     ],
     install_requires=REQUIREMENTS,
-    extras_require={"test": TEST, "dev": DEVELOPMENT, "calibration": CALIBRATION},
+    extras_require={"test": TEST, "dev": DEVELOPMENT, "calibration": CALIBRATION, "parquet": PARQUET},
     zip_safe=False,
     entry_points={
         "console_scripts": [

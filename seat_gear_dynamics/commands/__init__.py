@@ -24,6 +24,7 @@ COMMANDS = {
     "reproduce": "reproduce",
     "analyze": "analyze",
     "replay": "replay",
+    "recover": "recover",
 }
 
 
