@@ -1,4 +1,4 @@
-"""Many runs of the search, each from a set among the best so far: how the packaged set was found."""
+"""Many runs of the search, each from a set among the best so far."""
 
 from collections.abc import Callable, Sequence
 
