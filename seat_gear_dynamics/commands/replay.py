@@ -62,11 +62,10 @@ def _values(found: "Rerun", *, what_if: bool) -> dict[str, Any]:
         return {name: value if isfinite(value) else None for name, value in values.items()}
 
     logged, replayed = found.level_seconds
-    forces = found.topics[0]
     return {
         "samples": found.samples,
-        "messages": forces.messages,
-        "equal": forces.equal,
+        "messages": found.messages,
+        "equal": found.equal,
         "identical": found.identical,
         "first_difference": found.first_difference,
         "begins": found.begins,

@@ -109,3 +109,6 @@ TOPICS: tuple[Topic, ...] = (
     IN_FORBIDDEN_BAND,
     DIAGNOSTICS,
 )
+
+ORIGIN_NAMES = ("origin/s", "origin/ns")
+"""In a message of MODEL_STATE, behind the sensor's own names: the stamp of t = 0, whole seconds and ns."""

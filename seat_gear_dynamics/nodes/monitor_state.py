@@ -3,7 +3,7 @@
 from sensor_msgs.msg import JointState
 from std_msgs.msg import Header
 
-from seat_gear_dynamics.logs.replay import ORIGIN_NAMES
+from seat_gear_dynamics.logs.topics import ORIGIN_NAMES
 from seat_gear_dynamics.nodes import messages
 from seat_gear_dynamics.sensing import Session
 from seat_gear_dynamics.sensing.virtual_sensor import SENSOR_STATE_NAMES

@@ -15,8 +15,8 @@ from mcap.reader import make_reader
 from rosbags.highlevel import AnyReader
 
 from seat_gear_dynamics.gears import load_train
+from seat_gear_dynamics.logs.analysis.rerun import rerun
 from seat_gear_dynamics.logs.reader import Bag
-from seat_gear_dynamics.logs.replay import replay
 from seat_gear_dynamics.logs.run import read_run
 from seat_gear_dynamics.logs.topics import DIAGNOSTICS, TOPICS
 
@@ -86,7 +86,7 @@ def test_no_topic_has_a_gap_longer_than_two_publish_periods(done: tuple[Path, di
 
 
 def test_a_replay_gives_the_logged_forces_bit_for_bit(done: tuple[Path, dict[str, Any]]) -> None:
-    result = replay(done[0], load_train())
+    result = rerun(done[0], load_train())
     assert result.messages > 100
     assert result.first_difference is None
     assert result.equal == result.messages

@@ -13,8 +13,9 @@ from rosbags.typesys import Stores, get_typestore
 from seat_gear_dynamics.gears import GearTrain
 from seat_gear_dynamics.gears.units import RPM
 from seat_gear_dynamics.logs import topics
+from seat_gear_dynamics.logs.analysis.rerun import rerun
 from seat_gear_dynamics.logs.errors import LogError
-from seat_gear_dynamics.logs.replay import ORIGIN_NAMES, replay
+from seat_gear_dynamics.logs.topics import ORIGIN_NAMES
 from seat_gear_dynamics.logs.writer import BagWriter
 from seat_gear_dynamics.sensing import Session
 from seat_gear_dynamics.sensing.virtual_sensor import SENSOR_STATE_NAMES
@@ -72,14 +73,14 @@ def monitored(train: GearTrain, log: BagWriter, count: int, *, begin: int = 0, s
 def test_a_log_from_the_first_sample_is_replayed_from_there(train: GearTrain, new_log: NewLog) -> None:
     with new_log() as log:
         monitored(train, log, 150)
-    result = replay(log.directory, train)
+    result = rerun(log.directory, train)
     assert (result.begins, result.samples, result.messages, result.equal) == ("first input", 150, 50, 50)
 
 
 def test_a_log_that_begins_amid_a_run_is_replayed_from_the_first_state_in_it(train: GearTrain, new_log: NewLog) -> None:
     with new_log() as log:
         monitored(train, log, 300, begin=100)
-    result = replay(log.directory, train)
+    result = rerun(log.directory, train)
     # States stand at samples 74, 149, 224 and 299, behind the forces of the same sample.
     assert (result.begins, result.samples, result.messages) == ("model state", 150, 50)
     assert result.first_difference is None
@@ -90,15 +91,15 @@ def test_a_later_file_of_a_split_log_is_replayed_alone(train: GearTrain, new_log
     """It begins with the latched state of sample 74, whose next inputs are in the file before: of no use."""
     with new_log() as log:
         monitored(train, log, 300, split=100)
-    result = replay(log.directory / "log_1.mcap", train)
+    result = rerun(log.directory / "log_1.mcap", train)
     assert (result.begins, result.samples, result.equal, result.messages) == ("model state", 150, 50, 50)
-    assert replay(log.directory, train).equal == 100
+    assert rerun(log.directory, train).equal == 100
 
 
 def test_without_a_usable_state_the_difference_is_said(train: GearTrain, new_log: NewLog) -> None:
     with new_log() as log:
         monitored(train, log, 140, begin=100)
-    result = replay(log.directory, train)
+    result = rerun(log.directory, train)
     assert result.begins == "first input"
     assert result.first_difference is not None
     assert result.equal < result.messages
@@ -109,7 +110,7 @@ def test_a_wrong_train_is_noticed_from_a_state_too(
 ) -> None:
     with new_log() as log:
         monitored(train, log, 300, begin=100)
-    result = replay(log.directory, make_train({"meshes.*.backlash": 25}))
+    result = rerun(log.directory, make_train({"meshes.*.backlash": 25}))
     assert result.equal == 0
     assert result.first_difference is not None
 
@@ -122,7 +123,7 @@ def test_states_that_cannot_be_used_are_passed_over(train: GearTrain, new_log: N
         stamp = START + 60 * STEP
         data = joint(stamp, names, position=[np.nan] * 60)
         log.write(topics.MODEL_STATE.absolute(), data, stamp, stamp)
-    result = replay(log.directory, train)
+    result = rerun(log.directory, train)
     assert (result.begins, result.equal) == ("first input", 20)
 
 
@@ -130,4 +131,4 @@ def test_a_log_without_the_monitors_inputs_is_a_sentence(train: GearTrain, new_l
     with new_log(tmp_path / "other") as log:
         log.add_topic("/a", topics.FLOAT64)
     with pytest.raises(LogError, match="no topic 'gear_monitor/input'"):
-        replay(log.directory, train)
+        rerun(log.directory, train)

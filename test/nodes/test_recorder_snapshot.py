@@ -7,8 +7,8 @@ from harness import Peer, Processes
 from recorder_control import Control
 
 from seat_gear_dynamics.gears import load_train
+from seat_gear_dynamics.logs.analysis.rerun import rerun
 from seat_gear_dynamics.logs.reader import Bag
-from seat_gear_dynamics.logs.replay import replay
 
 OK, ERROR = 0, 2
 
@@ -37,11 +37,11 @@ def test_a_warning_takes_a_snapshot_that_re_simulates_bit_for_bit(
     assert bag.closed
     assert (bag.end_ns - bag.start_ns) * 1e-9 <= 3.0
     assert bag.topics["/gear_monitor/in_forbidden_band"].count > 0
-    result = replay(path, load_train())
+    result = rerun(path, load_train())
     assert result.begins == "model state"
     assert result.first_difference is None
     assert result.equal == result.messages > 20
     levels = [status.level for status in bag.statuses("gear_monitor/chaos_warning")]
     assert {OK, ERROR} <= set(levels), "the snapshot shows the calm before and the event"
-    whole = replay(log, load_train())
+    whole = rerun(log, load_train())
     assert (whole.begins, whole.first_difference) == ("first input", None)

@@ -73,6 +73,16 @@ class Rerun:
     """s by warning level, as logged and as replayed."""
 
     @property
+    def messages(self) -> int:
+        """Logged force messages that were compared."""
+        return self.topics[0].messages
+
+    @property
+    def equal(self) -> int:
+        """Of these, equal bit for bit in all eight statistics."""
+        return self.topics[0].equal
+
+    @property
     def first_difference(self) -> str | None:
         """The first difference by topic, forces before all; None where all are equal."""
         found = (f"{t.topic}, {t.first_difference}" for t in self.topics if t.first_difference)

@@ -13,7 +13,6 @@ from seat_gear_dynamics.logs.analysis.message_bytes import JointDecoder
 from seat_gear_dynamics.logs.analysis.ordered import Ordered
 from seat_gear_dynamics.logs.analysis.sources import holds
 from seat_gear_dynamics.logs.reader import Bag
-from seat_gear_dynamics.logs.replay import ORIGIN_NAMES
 from seat_gear_dynamics.sensing.virtual_sensor import SENSOR_STATE_NAMES
 
 Array = NDArray[np.float64]
@@ -28,7 +27,7 @@ class Resumption(NamedTuple):
 
 
 def resumption(bag: Bag) -> Resumption:
-    """Return where to begin, by the rule of `logs.replay`: the first state whose later inputs are all in the log."""
+    """Return where to begin, the first state whose later inputs are all in the log."""
     decoder, inputs = JointDecoder(), Ordered(bag, [bag.resolve(topics.MODEL_INPUT.name)])
     first = next((decoder.decode(message.data).stamp_ns for message in inputs), 0)
     for stamp, origin, state in _states(bag):
@@ -46,7 +45,7 @@ def _states(bag: Bag) -> Iterator[tuple[int, int, Array]]:
     for message in Ordered(bag, [bag.resolve(topics.MODEL_STATE.name)]):
         joint = decoder.decode(message.data)
         values = dict(zip(joint.names, joint.position, strict=False))
-        if not all(np.isfinite(values.get(name, np.nan)) for name in (*SENSOR_STATE_NAMES, *ORIGIN_NAMES)):
+        if not all(np.isfinite(values.get(name, np.nan)) for name in (*SENSOR_STATE_NAMES, *topics.ORIGIN_NAMES)):
             continue  # of a version that keeps other things, or damaged: nothing here can go on from it
-        seconds, nanoseconds = (int(values[name]) for name in ORIGIN_NAMES)
+        seconds, nanoseconds = (int(values[name]) for name in topics.ORIGIN_NAMES)
         yield joint.stamp_ns, seconds * 1_000_000_000 + nanoseconds, np.array([values[n] for n in SENSOR_STATE_NAMES])
