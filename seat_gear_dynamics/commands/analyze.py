@@ -2,6 +2,7 @@
 
 import argparse
 import json
+from os import cpu_count
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -31,6 +32,9 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--load-unit", default="N·m", metavar="U", help="Nm, mNm or kNm (default Nm)")
     parser.add_argument("--map", type=Path, metavar="F.npz", help="regime map of `seat-gear map`, a truth for warnings")
     parser.add_argument("--no-model", action="store_true", help="the log alone: no sweep, map and spectra beside it")
+    parser.add_argument(
+        "--processes", type=int, metavar="N", help="that march a long log without forces (default: one for each core)"
+    )
     parser.add_argument("--parquet", action="store_true", help="tables as Parquet too (needs pyarrow)")
 
 
@@ -51,6 +55,7 @@ def run(arguments: argparse.Namespace) -> int:
             source=source,
             model=None if arguments.no_model else ModelSettings(),
             regime_map=chart,
+            processes=(cpu_count() or 1) if arguments.processes is None else arguments.processes,
             tell=tell,
         )
     values, lines = _write(found, _folder(arguments.log, arguments.output), parquet=arguments.parquet)

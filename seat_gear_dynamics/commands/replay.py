@@ -71,6 +71,8 @@ def _values(found: "Rerun", *, what_if: bool) -> dict[str, Any]:
         "begins": found.begins,
         "what_if": what_if,
         "topics": [asdict(each) for each in found.topics],
+        "damage": found.damage,
+        "windows_before_log": found.windows_before_log,
         "silences": found.silences,
         "forces": {m: {"logged": finite(a), "replayed": finite(b)} for m, (a, b) in found.forces.items()},
         "level_seconds": {
@@ -84,8 +86,12 @@ def _lines(found: "Rerun", *, what_if: bool) -> list[str]:
     begins = "" if found.begins == "first input" else f", from the {found.begins} in the log on"
     lines = [f"{found.samples} samples replayed{begins}"]
     lines += [f"  {each.topic:32s}{each.equal:8d} of {each.messages} equal bit for bit" for each in found.topics]
+    if found.windows_before_log:
+        lines.append("  1 first force window began before the log's first force message and is not compared")
     if found.silences:
         lines.append(f"  {found.silences} warnings of silence are taken over from the log")
+    if found.damage:
+        lines.append(f"  the log is damaged: {found.damage}")
     if what_if:
         lines += _what_if_lines(found)
     elif found.first_difference:

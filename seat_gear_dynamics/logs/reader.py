@@ -3,9 +3,11 @@
 from __future__ import annotations
 
 import re
+from bisect import bisect_left
 from collections import Counter
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
+from operator import attrgetter
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -14,12 +16,13 @@ import yaml
 from numpy.typing import NDArray
 
 from seat_gear_dynamics.logs import series
-from seat_gear_dynamics.logs.container import Block, DamageError, Message, scan
+from seat_gear_dynamics.logs.container import Block, scan
 from seat_gear_dynamics.logs.errors import LogError, reason
 from seat_gear_dynamics.logs.metadata import FILE_NAME, RECORD_NAME
 from seat_gear_dynamics.logs.schemas import Decoder
 from seat_gear_dynamics.logs.series import JointSeries, Status
 from seat_gear_dynamics.logs.topics import DIAGNOSTIC_STATUS, FLOAT64, JOINT_STATE
+from seat_gear_dynamics.logs.walk import DamageError
 
 
 @dataclass(frozen=True)
@@ -46,6 +49,9 @@ class DecodedMessage(NamedTuple):
     log_time_ns: int
     publish_time_ns: int
     message: Any
+
+
+_LOG_TIME = attrgetter("log_time_ns")
 
 
 class Bag:
@@ -106,8 +112,10 @@ class Bag:
     def messages(self, topics: str | Iterable[str] | None = None) -> Iterator[BagMessage]:
         """Yield the messages of `topics` (all by default) in order of log time, ties as they were written.
 
-        Only blocks whose times overlap are held in memory together. Raises `LogError` for an unknown topic
-        (at the call) and when the disk fails.
+        Streams: a message is held only while a block that is still to be read may come before it, so memory
+        follows how far blocks overlap in time and not how long the log is. Raises `LogError` for an unknown topic
+        (at the call) and when the disk fails. Limit: a block whose head gives a later first time than it holds
+        (which no checksum covers) comes out of order.
         """
         wanted = self._wanted(topics)
         channels = {c.path: c.numbers(wanted) for c in self._contents}
@@ -144,35 +152,24 @@ class Bag:
         return {self.resolve(topic) for topic in ([topics] if isinstance(topics, str) else topics)}
 
     def _messages(self, channels: dict[Path, dict[int, str]]) -> Iterator[BagMessage]:
-        for group in self._groups():
-            found: list[tuple[str, Message]] = []
-            for block in group:
-                names = channels[block.path]
-                found += [(names[message.channel], message) for message in self._load(block, names)]
-            found.sort(key=lambda pair: pair[1].log_time_ns)
-            for topic, (_, log_ns, publish_ns, data) in found:
-                yield BagMessage(topic, log_ns, publish_ns, data)
+        blocks = [(block, channels[c.path]) for c in self._contents if channels[c.path] for block in c.blocks]
+        waiting: dict[int, list[BagMessage]] = {}  # by the rank of their block as written, each in order of time
+        for rank, (block, names) in sorted(enumerate(blocks), key=lambda each: each[1][0].start_ns):
+            # No block that is still to come holds anything earlier than this one's first message.
+            yield from _leaving(waiting, block.start_ns)
+            waiting[rank] = sorted(self._load(block, names), key=_LOG_TIME)
+        yield from _leaving(waiting, None)
 
-    def _groups(self) -> Iterator[list[Block]]:
-        """Yield groups of blocks whose times overlap, the groups in time order, each in written order."""
-        order = [block for contents in self._contents for block in contents.blocks]
-        rank = {(block.path, block.offset): i for i, block in enumerate(order)}
-        group: list[Block] = []
-        end = -1
-        for block in sorted(order, key=lambda b: b.start_ns):
-            if group and block.start_ns > end:
-                yield sorted(group, key=lambda b: rank[b.path, b.offset])
-                group = []
-            group.append(block)
-            end = max(end, block.end_ns)
-        if group:
-            yield sorted(group, key=lambda b: rank[b.path, b.offset])
-
-    def _load(self, block: Block, channels: dict[int, str]) -> list[Message]:
-        if not channels:
-            return []
+    def _load(self, block: Block, names: dict[int, str]) -> list[BagMessage]:
+        odd: Counter[int] = Counter()
         try:
-            return block.messages(channels)
+            found = block.messages(names, odd)
+            for opcode, count in odd.items():
+                self._damage.append(
+                    f"{block.path.name}: {count} of the records in the block at byte {block.offset} have the opcode "
+                    f"{opcode:#04x}, which this version of MCAP does not know there, passed over."
+                )
+            return [BagMessage(names[channel], log_ns, sent_ns, data) for channel, log_ns, sent_ns, data in found]
         except DamageError as damage:
             self._damage.append(f"{block.path.name}: {damage}; it is left out.")
             return []
@@ -234,6 +231,19 @@ class Bag:
                 f"MCAP without outer compression can be read. Convert it with `ros2 bag convert`."
             )
         return names
+
+
+def _leaving(waiting: dict[int, list[BagMessage]], until_ns: int | None) -> list[BagMessage]:
+    """Take the messages before `until_ns` (None: all) out of `waiting` and return them in order."""
+    found: list[BagMessage] = []
+    ranks = sorted(waiting)
+    for rank in ranks:
+        messages = waiting.pop(rank)
+        count = len(messages) if until_ns is None else bisect_left(messages, until_ns, key=_LOG_TIME)
+        found += messages[:count]
+        if count < len(messages):
+            waiting[rank] = messages[count:]
+    return sorted(found, key=_LOG_TIME) if len(ranks) > 1 else found  # stable, so that ties stay as they were written
 
 
 def _base(path: Path) -> str:

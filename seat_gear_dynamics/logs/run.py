@@ -11,20 +11,12 @@ from numpy.typing import NDArray
 
 from seat_gear_dynamics.logs import topics
 from seat_gear_dynamics.logs.errors import LogError
+from seat_gear_dynamics.logs.flows import Flow as Flow
+from seat_gear_dynamics.logs.flows import Flows
 from seat_gear_dynamics.logs.reader import Bag
 from seat_gear_dynamics.logs.series import JointSeries, Status
 
 Array = NDArray[np.float64]
-
-
-@dataclass(frozen=True)
-class Flow:
-    """How one topic came: count, median period and longest gap between publications, s (NaN below two messages)."""
-
-    topic: str
-    count: int
-    period: float
-    longest_gap: float
 
 
 @dataclass(frozen=True)
@@ -50,7 +42,11 @@ class Run:
 
 
 def read_run(path: Path | str) -> Run:
-    """Read a run from a log of ours, or from any bag with speed and load; raises LogError for what is no log."""
+    """Read a run from a log of ours, or from any bag with speed and load; raises LogError for what is no log.
+
+    Limit: it holds every sample (some 16 bytes a number), and every warning and section point. A log of hours is for
+    `analysis.analyse`, whose memory does not grow.
+    """
     bag = Bag(path)
     metadata = bag.metadata or {}
     speed, load = bag.scalars(topics.MOTOR_SPEED.name), bag.scalars(topics.LOAD_TORQUE.name)
@@ -114,12 +110,7 @@ def _section(bag: Bag) -> Array:
 
 
 def _flows(bag: Bag) -> list[Flow]:
-    times: dict[str, list[int]] = {name: [] for name in bag.topics}
+    flows = Flows(bag.topics)
     for message in bag.messages():
-        times[message.topic].append(message.publish_time_ns)
-    flows = []
-    for name, stamps in sorted(times.items()):
-        gaps = np.diff(np.sort(np.array(stamps, dtype=np.int64))) * 1e-9
-        median, longest = (float(np.median(gaps)), float(gaps.max())) if len(gaps) else (np.nan, np.nan)
-        flows.append(Flow(name, len(stamps), median, longest))
-    return flows
+        flows.add(message.topic, message.publish_time_ns)
+    return flows.found()

@@ -15,6 +15,7 @@ from seat_gear_dynamics.gears.units import RPM
 from seat_gear_dynamics.logs import topics
 from seat_gear_dynamics.logs.analysis.rerun import rerun
 from seat_gear_dynamics.logs.errors import LogError
+from seat_gear_dynamics.logs.reader import Bag
 from seat_gear_dynamics.logs.topics import ORIGIN_NAMES
 from seat_gear_dynamics.logs.writer import BagWriter
 from seat_gear_dynamics.sensing import Session
@@ -94,6 +95,68 @@ def test_a_later_file_of_a_split_log_is_replayed_alone(train: GearTrain, new_log
     result = rerun(log.directory / "log_1.mcap", train)
     assert (result.begins, result.samples, result.equal, result.messages) == ("model state", 150, 50, 50)
     assert rerun(log.directory, train).equal == 100
+
+
+def without(source: Path, target: Path, lost: set[int], *, wrong: int | None = None) -> Path:
+    """Copy a log without these force messages; in number `wrong` of those left, flip the sign of the last number."""
+    seen = kept = 0
+    with BagWriter(target, system_text="", system_hash="", software_version="0") as writer:
+        bag = Bag(source)
+        for name, info in bag.topics.items():
+            writer.add_topic(name, info.type)
+        for topic, log_ns, publish_ns, data in bag.messages():
+            if topic == topics.MESH_FORCE.absolute():
+                seen += 1
+                if seen in lost:
+                    continue
+                kept += 1
+                data = data[:-1] + bytes([data[-1] ^ 0x80]) if kept == wrong else data
+            writer.write(topic, data, log_ns, publish_ns)
+    return target
+
+
+@pytest.fixture
+def recorded(train: GearTrain, new_log: NewLog, tmp_path: Path) -> Path:
+    """A log from the first sample on, with 50 force messages, each over three samples."""
+    with new_log(tmp_path / "recorded") as log:
+        monitored(train, log, 150)
+    return log.directory
+
+
+@pytest.mark.parametrize("lost", [{1}, {1, 2, 3}])
+def test_a_first_window_that_begins_behind_a_lost_message_is_counted_and_not_compared(
+    train: GearTrain, recorded: Path, tmp_path: Path, lost: set[int]
+) -> None:
+    result = rerun(without(recorded, tmp_path / "cut", lost), train)
+    assert (result.windows_before_log, result.first_difference, result.begins) == (1, None, "first input")
+    assert result.messages == result.equal == 50 - len(lost) - 1
+    logged, replayed = result.forces["s1_s2"]
+    assert logged == replayed, "what is not compared has no share in the totals"
+
+
+def test_a_log_with_its_first_force_message_has_no_window_before_it(train: GearTrain, recorded: Path) -> None:
+    result = rerun(recorded, train)
+    assert (result.windows_before_log, result.messages, result.equal) == (0, 50, 50)
+
+
+@pytest.mark.parametrize(("lost", "wrong"), [({1}, 2), ({1}, 1), (set(), 1), (set(), 2)])
+def test_a_wrong_message_is_named_all_the_same(
+    train: GearTrain, recorded: Path, tmp_path: Path, lost: set[int], wrong: int
+) -> None:
+    """A first message that is equal from no sample on is no later beginning: it is wrong."""
+    result = rerun(without(recorded, tmp_path / "cut", lost, wrong=wrong), train)
+    assert result.windows_before_log == int(bool(lost) and wrong == 2)
+    assert result.messages - result.equal == 1
+    stamp = START + (3 * (len(lost) + wrong) - 1) * STEP
+    assert result.first_difference is not None
+    assert f"mesh_force, stamp {stamp} ns: " in result.first_difference
+
+
+def test_the_only_force_message_may_be_the_one_that_is_not_compared(
+    train: GearTrain, recorded: Path, tmp_path: Path
+) -> None:
+    result = rerun(without(recorded, tmp_path / "cut", set(range(1, 50))), train)
+    assert (result.windows_before_log, result.messages, result.equal, result.identical) == (1, 0, 0, True)
 
 
 def test_without_a_usable_state_the_difference_is_said(train: GearTrain, new_log: NewLog) -> None:

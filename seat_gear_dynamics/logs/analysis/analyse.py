@@ -19,10 +19,11 @@ from seat_gear_dynamics.logs.analysis.histories import Binned
 from seat_gear_dynamics.logs.analysis.model import DwellMotion, ModelSettings, dwell_motion, model_map, model_sweep
 from seat_gear_dynamics.logs.analysis.occupancy import Occupancy
 from seat_gear_dynamics.logs.analysis.section_cloud import SectionCloud
+from seat_gear_dynamics.logs.analysis.side_by_side import Stretches
 from seat_gear_dynamics.logs.analysis.sources import Source
 from seat_gear_dynamics.logs.analysis.stream import Stream
+from seat_gear_dynamics.logs.flows import Flow
 from seat_gear_dynamics.logs.reader import Bag
-from seat_gear_dynamics.logs.run import Flow
 from seat_gear_dynamics.regimes import RegimeMap, Sweep
 
 BINS = 1500
@@ -80,6 +81,8 @@ class Analysis:
     cloud: SectionCloud
     restarts: tuple[tuple[float, str], ...]
     """Where the model was restarted, (s, why); only where outputs are estimated here."""
+    stretches: Stretches | None
+    """How the estimate was cut and joined; None where outputs were logged."""
     motions: tuple[DwellMotion, ...]
     """The model's, of the longest dwells, in order of time."""
     sweep: Sweep | None
@@ -109,6 +112,7 @@ def analyse(
     source: Source | None = None,
     model: ModelSettings | None = None,
     regime_map: RegimeMap | None = None,
+    processes: int = 1,
     tell: Tell | None = None,
 ) -> Analysis:
     """Analyse the log at `path` with the bands and parameters of `train`.
@@ -119,9 +123,10 @@ def analyse(
     """
     report = tell or (lambda stage, done, total: None)
     bag = Bag(path)
-    stream = Stream(bag, train, source)
+    stream = Stream(bag, train, source, workers=processes)
+    stage = "messages, through the model" if stream.estimated else "messages"
     one = _Reductions(bag, train, regime_map)
-    for batch in stream.batches(lambda done, total: report("messages", done, total)):
+    for batch in stream.batches(lambda done, total: report(stage, done, total)):
         one.add(batch)
     one.dwells.finish()
     speeds, loads = speed_range(one.occupancy), one.occupancy.load_range()
@@ -140,7 +145,7 @@ def analyse(
         provenance=provenance,
         train=train,
         duration=(bag.end_ns - bag.start_ns) * 1e-9,
-        damage=stream.damage,
+        damage=bag.damage,
         flows=stream.flows.found(),
         drive=one.drive,
         force=one.force,
@@ -152,6 +157,7 @@ def analyse(
         dwells=one.dwells,
         cloud=one.cloud,
         restarts=tuple(one.restarts),
+        stretches=stream.stretches,
         motions=motions,
         sweep=found,
         map=chart,

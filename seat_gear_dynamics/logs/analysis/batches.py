@@ -101,3 +101,10 @@ class Recent:
             before = np.searchsorted(self._drive[:, 0], time, side="right") - 1
             return np.asarray(values[np.clip(before, 0, len(values) - 1)])
         return np.asarray(np.interp(time, self._drive[:, 0], values))
+
+    def placed(self, points: Array) -> Array:
+        """Return section points (n, 3) of time, δ/b_c and rate, with speed and direction at their time."""
+        if not len(points):
+            return empty(SECTION_COLUMNS)
+        time = points[:, 0]
+        return np.column_stack([points, self.at(time, "speed"), self.at(time, "direction")])

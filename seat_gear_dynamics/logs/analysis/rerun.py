@@ -16,17 +16,17 @@ from seat_gear_dynamics.gears import GearTrain
 from seat_gear_dynamics.logs import topics
 from seat_gear_dynamics.logs.analysis.batches import FORCE_NAMES, MESHES, Warned
 from seat_gear_dynamics.logs.analysis.detection import LevelSpans
+from seat_gear_dynamics.logs.analysis.first_window import FirstWindow
 from seat_gear_dynamics.logs.analysis.force_totals import ForceTotals
 from seat_gear_dynamics.logs.analysis.message_bytes import Joint, JointDecoder
 from seat_gear_dynamics.logs.analysis.occupancy import LONGEST_HOLD
-from seat_gear_dynamics.logs.analysis.ordered import Ordered
 from seat_gear_dynamics.logs.analysis.resumption import Resumption, resumption
 from seat_gear_dynamics.logs.analysis.sources import holds
 from seat_gear_dynamics.logs.analysis.what_if import MonitorSettings
 from seat_gear_dynamics.logs.errors import LogError
 from seat_gear_dynamics.logs.reader import Bag
 from seat_gear_dynamics.logs.schemas import Decoder
-from seat_gear_dynamics.sensing import RejectedSampleError, Session
+from seat_gear_dynamics.sensing import ForceWindow, RejectedSampleError, Session
 
 _SILENCE = ("no speed", "no load", "no input", "reset")
 """How a warning begins that came of silence or a reset: inputs alone do not show when."""
@@ -65,12 +65,19 @@ class Rerun:
     begins: str
     """`first input`, or `model state` where the log begins amid a run; then sections and warnings are not compared."""
     topics: tuple[Compared, ...]
+    windows_before_log: int
+    """1 where the window of the first force message began at a message before it that the log does not hold, else 0.
+
+    It is equal bit for bit from a later sample on; it is counted here and not among those that were compared.
+    """
     silences: int
     """Warnings of silence or a reset, which are taken over from the log and not compared."""
     forces: dict[str, tuple[dict[str, float], dict[str, float]]]
     """Mesh → (logged, replayed) mean, min, max and rms over all compared messages, N."""
     level_seconds: tuple[dict[int, float], dict[int, float]]
     """s by warning level, as logged and as replayed."""
+    damage: str | None
+    """What of the log could not be read: where inputs are missing, all that follows differs."""
 
     @property
     def messages(self) -> int:
@@ -104,7 +111,8 @@ def rerun(
 
     Forces, mesh states and sections are compared bit for bit, warnings by level and text with what the session said
     within a second before. Equal on the same build where `train` and `settings` are the monitor's, nothing reset it,
-    and its clock did not step back. Memory does not grow with the log. `progress` is told (samples fed, in all).
+    its clock did not step back, and no message is missing but forces before the first in the log (see `Rerun`).
+    Memory does not grow with the log. `progress` is told (samples fed, in all).
 
     Raises LogError where the log holds no such inputs or no forces. Limit: a log that begins amid a run without a
     model state is started at rest, and differs until the motion has forgotten that; chaos never does.
@@ -120,7 +128,7 @@ def rerun(
         run.take(stamp, rank, message)
         if rank == _INPUT and progress is not None and run.samples % 500 == 0:
             progress(run.samples, total)
-    return run.finish()
+    return run.finish(bag.damage)
 
 
 def _sequences(bag: Bag, *, amid: bool) -> list[Iterator[Timed]]:
@@ -138,21 +146,21 @@ def _sequences(bag: Bag, *, amid: bool) -> list[Iterator[Timed]]:
 
 def _joints(bag: Bag, topic: topics.Topic, rank: int) -> Iterator[Timed]:
     decoder = JointDecoder()
-    for message in Ordered(bag, [bag.resolve(topic.name)]):
+    for message in bag.messages(topic.name):
         joint = decoder.decode(message.data)
         yield joint.stamp_ns, rank, joint
 
 
 def _clouds(bag: Bag) -> Iterator[Timed]:
     decoder = Decoder({})
-    for message in Ordered(bag, [bag.resolve(topics.POINCARE.name)]):
+    for message in bag.messages(topics.POINCARE.name):
         cloud = decoder.decode(message.data, topics.POINT_CLOUD)
         yield cloud.header.stamp.sec * 1_000_000_000 + cloud.header.stamp.nanosec, _CLOUD, cloud
 
 
 def _warnings(bag: Bag) -> Iterator[Timed]:
     decoder = Decoder({})
-    for message in Ordered(bag, [bag.resolve(topics.CHAOS_WARNING.name)]):
+    for message in bag.messages(topics.CHAOS_WARNING.name):
         status = decoder.decode(message.data, topics.DIAGNOSTIC_STATUS)
         yield message.log_time_ns, _WARNING, status
 
@@ -192,6 +200,8 @@ class _Run:
         chosen = (topics.MESH_FORCE, topics.MESH_STATE, topics.POINCARE, topics.CHAOS_WARNING)
         self._compared = [Compared(topic.name) for topic in chosen]
         self._forces = (ForceTotals(), ForceTotals())
+        self._first: FirstWindow | None = FirstWindow() if start.state is None else None
+        self._before_log = 0
         self._said: deque[_Said] = deque()
         self._replayed, self._logged = _Levels(), LevelSpans()
         self._first_ns: int | None = None
@@ -200,7 +210,7 @@ class _Run:
         if rank == _INPUT:
             self._feed(stamp, message)
         elif rank == _FORCE:
-            self._compared[0].take(f"stamp {stamp} ns", self._force(message))
+            self._force(stamp, message)
         elif rank == _STATE:
             self._compared[1].take(f"stamp {stamp} ns", self._state(message))
         elif rank == _CLOUD:
@@ -208,7 +218,7 @@ class _Run:
         else:
             self._warning(stamp, message)
 
-    def finish(self) -> Rerun:
+    def finish(self, damage: str | None) -> Rerun:
         logged: defaultdict[int, float] = defaultdict(float)
         for (level, _), seconds in self._logged.seconds.items():
             logged[level] += seconds
@@ -216,10 +226,12 @@ class _Run:
         return Rerun(
             self.samples,
             self._begins,
-            tuple(each for each in self._compared if each.messages),
+            tuple(each for k, each in enumerate(self._compared) if k == 0 or each.messages),
+            self._before_log,
             self._silences,
             {mesh: (totals[0][mesh], totals[1][mesh]) for mesh in MESHES},
             (dict(logged), dict(self._replayed.seconds)),
+            damage,
         )
 
     def _feed(self, stamp: int, joint: Joint) -> None:
@@ -230,21 +242,26 @@ class _Run:
             change = self._session.feed((stamp - self._origin) * 1e-9, joint.velocity[0], joint.effort[0])
         except RejectedSampleError:
             return  # the monitor publishes only what it accepted
+        if self._first is not None:
+            self._first.feed(change.reading.windows)
         verdict = change.verdict
         self._replayed.take(stamp, int(verdict.level))
         self._said.append(_Said(stamp, int(verdict.level), verdict.reason))
         while self._said[0].stamp_ns < stamp - _AGO:
             self._said.popleft()
 
-    def _force(self, joint: Joint) -> str | None:
-        windows = self._session.take_windows()
-        found = [value for w in windows for value in (w.mean, w.min, w.max, w.rms)]
+    def _force(self, stamp: int, joint: Joint) -> None:
         logged = dict(zip(joint.names, joint.effort, strict=False))
+        found = _statistics(self._session.take_windows())
+        difference = _first(_rows(logged, found))
+        later = self._first.later() if self._first is not None and difference is not None else ()
+        self._first = None
+        if any(_first(_rows(logged, _statistics(windows))) is None for windows in later):
+            self._before_log = 1
+            return
         for total, values in zip(self._forces, ([logged.get(n, np.nan) for n in FORCE_NAMES], found), strict=True):
             total.add(values)
-        return _first(
-            ((name, logged.get(name, np.nan), value, "N") for name, value in zip(FORCE_NAMES, found, strict=True))
-        )
+        self._compared[0].take(f"stamp {stamp} ns", difference)
 
     def _state(self, joint: Joint) -> str | None:
         reading = self._session.reading
@@ -290,6 +307,15 @@ class _Run:
         last = self._said[-1] if self._said else None
         again = f"level {last.level}, {last.text!r}" if last else "nothing"
         self._compared[3].take(f"log time {log_ns} ns", f"level {level}, {text!r} in the log and {again} replayed")
+
+
+def _statistics(windows: tuple[ForceWindow, ForceWindow]) -> list[float]:
+    """Return what a force message holds of both meshes, in the order of FORCE_NAMES."""
+    return [value for w in windows for value in (w.mean, w.min, w.max, w.rms)]
+
+
+def _rows(logged: dict[str, float], found: list[float]) -> Iterator[tuple[str, float, float, str]]:
+    return ((name, logged.get(name, np.nan), value, "N") for name, value in zip(FORCE_NAMES, found, strict=True))
 
 
 def _first(rows: Iterator[tuple[str, float, float, str]]) -> str | None:

@@ -10,7 +10,6 @@ from numpy.typing import NDArray
 
 from seat_gear_dynamics.logs import topics
 from seat_gear_dynamics.logs.analysis.message_bytes import JointDecoder
-from seat_gear_dynamics.logs.analysis.ordered import Ordered
 from seat_gear_dynamics.logs.analysis.sources import holds
 from seat_gear_dynamics.logs.reader import Bag
 from seat_gear_dynamics.sensing.virtual_sensor import SENSOR_STATE_NAMES
@@ -28,7 +27,7 @@ class Resumption(NamedTuple):
 
 def resumption(bag: Bag) -> Resumption:
     """Return where to begin, the first state whose later inputs are all in the log."""
-    decoder, inputs = JointDecoder(), Ordered(bag, [bag.resolve(topics.MODEL_INPUT.name)])
+    decoder, inputs = JointDecoder(), bag.messages(topics.MODEL_INPUT.name)
     first = next((decoder.decode(message.data).stamp_ns for message in inputs), 0)
     for stamp, origin, state in _states(bag):
         if origin == first:
@@ -42,7 +41,7 @@ def _states(bag: Bag) -> Iterator[tuple[int, int, Array]]:
     if not holds(bag, topics.MODEL_STATE.name):
         return
     decoder = JointDecoder()
-    for message in Ordered(bag, [bag.resolve(topics.MODEL_STATE.name)]):
+    for message in bag.messages(topics.MODEL_STATE.name):
         joint = decoder.decode(message.data)
         values = dict(zip(joint.names, joint.position, strict=False))
         if not all(np.isfinite(values.get(name, np.nan)) for name in (*SENSOR_STATE_NAMES, *topics.ORIGIN_NAMES)):

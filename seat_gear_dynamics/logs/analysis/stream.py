@@ -14,7 +14,6 @@ from seat_gear_dynamics.logs.analysis.batches import (
     FORCE_COLUMNS,
     FORCE_NAMES,
     MESHES,
-    SECTION_COLUMNS,
     STATE_COLUMNS,
     Array,
     Batch,
@@ -23,11 +22,11 @@ from seat_gear_dynamics.logs.analysis.batches import (
     Warned,
     empty,
 )
-from seat_gear_dynamics.logs.analysis.estimate import Estimate
-from seat_gear_dynamics.logs.analysis.flows import Flows
 from seat_gear_dynamics.logs.analysis.message_bytes import JointDecoder
-from seat_gear_dynamics.logs.analysis.ordered import Ordered
+from seat_gear_dynamics.logs.analysis.side_by_side import SideBySide, Stretches
 from seat_gear_dynamics.logs.analysis.sources import Read, Source, holds, readers
+from seat_gear_dynamics.logs.errors import LogError
+from seat_gear_dynamics.logs.flows import Flows
 from seat_gear_dynamics.logs.reader import Bag
 from seat_gear_dynamics.logs.run import CloudPoints
 from seat_gear_dynamics.logs.schemas import Decoder
@@ -35,6 +34,7 @@ from seat_gear_dynamics.logs.schemas import Decoder
 BATCH_SECONDS = 10.0
 _TURN = 15 * RPM  # rad/s that |speed| has to move for its direction to be believed: beyond Hall steps and noise
 _OTHER_CLOCK = 10_000_000_000  # ns between stamp and log time from which stamps are of another clock (simulated time)
+_WORTH_IT = 180.0  # s of log from which the start of further processes pays
 Handle = Callable[[int, bytes], None]
 
 
@@ -46,15 +46,26 @@ class Stream:
     """
 
     def __init__(
-        self, bag: Bag, train: GearTrain, source: Source | None = None, *, seconds: float = BATCH_SECONDS
+        self,
+        bag: Bag,
+        train: GearTrain,
+        source: Source | None = None,
+        *,
+        seconds: float = BATCH_SECONDS,
+        workers: int = 1,
     ) -> None:
-        """Choose the topics; raises `LogError` where the bag has no speed or no load."""
+        """Choose the topics; raises `LogError` where the bag has no speed or no load, and for less than one worker.
+
+        Outputs that a long log does not hold are computed by `workers` processes; how many changes no bit of them.
+        """
+        if workers < 1:
+            raise LogError(f"The number of processes is {workers}, expected at least 1.")
         self.bag = bag
         self.flows = Flows(bag.topics)
-        self._messages = Ordered(bag)
         self.estimated = not holds(bag, topics.MESH_FORCE.name)
         """Whether forces, section and warnings are computed here, because the log has none."""
-        self._estimate = Estimate(train) if self.estimated else None
+        length = (bag.end_ns - bag.start_ns) * 1e-9
+        self._estimated = SideBySide(train, workers=workers if length > _WORTH_IT else 1) if self.estimated else None
         self._seconds = seconds
         self._drive_readers = readers(bag, source or Source())
         self._handlers: dict[str, Handle] = {}
@@ -70,20 +81,24 @@ class Stream:
         self._clear()
 
     @property
+    def stretches(self) -> Stretches | None:
+        """In how many stretches outputs were computed, and how many of them in a row; None where they were logged."""
+        return self._estimated.stretches if self._estimated is not None else None
+
+    @property
     def drive_topics(self) -> tuple[str, ...]:
         """Where speed and load came from."""
         return tuple(self._drive_readers)
 
-    @property
-    def damage(self) -> str | None:
-        """What of the bag could not be read so far, in sentences; None when nothing was found amiss."""
-        notes = [self.bag.damage] if self.bag.damage else []
-        return " ".join(dict.fromkeys([*notes, *self._messages.damage])) or None
-
     def batches(self, progress: Callable[[int, int], None] | None = None) -> Iterator[Batch]:
-        """Yield the batches; `progress` is told (messages read, messages in all) after each."""
+        """Yield the batches; `progress` is told (messages read, messages in all) after each that was read."""
+        recorded = self._recorded(progress)
+        return recorded if self._estimated is None else self._estimated.batches(recorded)
+
+    def _recorded(self, progress: Callable[[int, int], None] | None) -> Iterator[Batch]:
+        """Yield what the log itself holds."""
         due, total, done = self.bag.start_ns + self._seconds * 1e9, self.bag.message_count, 0
-        for message in self._messages:
+        for message in self.bag.messages():
             topic, log_ns, publish_ns, data = message
             done += 1
             self.flows.add(topic, publish_ns)
@@ -167,10 +182,7 @@ class Stream:
             self._recent.extend(batch.drive)
         batch.force, batch.state = self._forces(), np.array(self._state) if self._state else empty(STATE_COLUMNS)
         if self._sections:
-            batch.section = self._placed(np.concatenate(self._sections))
-        if self._estimate is not None:
-            self._estimate.extend(batch)
-            batch.section = self._placed(batch.section[:, :3])
+            batch.section = self._recent.placed(np.concatenate(self._sections))
         self._clear()
         return batch
 
@@ -179,13 +191,6 @@ class Stream:
             return empty(FORCE_COLUMNS)
         force = np.array(self._force)
         return np.column_stack([force, self._recent.at(force[:, 0], "speed"), self._recent.at(force[:, 0], "load")])
-
-    def _placed(self, points: Array) -> Array:
-        """Return section points (time, δ, rate) with speed and direction at their time."""
-        if not len(points):
-            return empty(SECTION_COLUMNS)
-        time = points[:, 0]
-        return np.column_stack([points, self._recent.at(time, "speed"), self._recent.at(time, "direction")])
 
     def _clear(self) -> None:
         self._drive: list[tuple[float, ...]] = []

@@ -10,7 +10,7 @@ from typing import Any, NamedTuple
 from seat_gear_dynamics.gears.units import RPM
 from seat_gear_dynamics.logs.analysis import Analysis
 from seat_gear_dynamics.views.analysis.style_sheet import STYLE
-from seat_gear_dynamics.views.analysis.words import detection_values, warning_time
+from seat_gear_dynamics.views.analysis.words import detection_values, seam_words, warning_time
 from seat_gear_dynamics.views.figures.band_stays import stretch_name
 
 
@@ -82,6 +82,8 @@ def _notices(found: Analysis) -> str:
     kept = found.provenance.log_system_hash
     if kept is not None and kept != found.provenance.system_hash:
         notices.append("The parameters used here are not those that the log was recorded with.")
+    if seams := seam_words(found):
+        notices.append(f"The model was {seams}.")
     if len(found.restarts) > 1:
         often = f"{len(found.restarts) - 1} times" if len(found.restarts) < 1000 else "1000 times or more"
         notices.append(f"The model was restarted {often} on the way; the first at {found.restarts[1][0]:.1f} s.")

@@ -19,6 +19,7 @@ def summary(found: Analysis) -> dict[str, Any]:
         "duration": found.duration,
         "load_scale": found.train.model.load_scale,
         "estimated": found.provenance.estimated,
+        "stretches": None if found.stretches is None else vars(found.stretches),
         "warning_time": warning_time(found),
         "bands": [
             {
@@ -91,9 +92,27 @@ def summary_lines(found: Analysis) -> list[str]:
         lines += ["against the regime map:", *detection_lines(found.map_detection)]
     restarts = max(len(found.restarts) - 1, 0)  # the first is the start
     lines.append(f"{found.dwells.count} dwells" + (f", {restarts} restarts of the model" if restarts else ""))
+    if seams := seam_words(found):
+        lines.append(seams)
     if found.damage:
         lines.append(f"damage: {found.damage}")
     return lines
+
+
+def seam_words(found: Analysis) -> str | None:
+    """Return how an estimate was cut and joined; None where it was not cut."""
+    cut = found.stretches
+    if cut is None or cut.count < 2:
+        return None
+    same = cut.count - 1 - cut.shifted - cut.chaotic - cut.again
+    kinds = (
+        (same, "in the same state"),
+        (cut.shifted, "in the same motion, some mesh periods off"),
+        (cut.chaotic, "in chaos, on another path"),
+        (cut.again, "after being marched again in a row"),
+    )
+    joined = ", ".join(f"{count} {how}" for count, how in kinds if count)
+    return f"marched in {cut.count} stretches, which join: {joined}"
 
 
 def detection_lines(found: Detection) -> list[str]:

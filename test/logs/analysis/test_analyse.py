@@ -18,6 +18,7 @@ from seat_gear_dynamics.logs.analysis.estimate import Estimate
 from seat_gear_dynamics.logs.analysis.model import force_along
 from seat_gear_dynamics.logs.analysis.order_spectrum import order_spectrum
 from seat_gear_dynamics.logs.analysis.overview import overview
+from seat_gear_dynamics.logs.analysis.side_by_side import Stretches
 from seat_gear_dynamics.logs.analysis.tables import tables, write_tables
 from seat_gear_dynamics.logs.errors import LogError
 from seat_gear_dynamics.logs.run import read_run
@@ -88,7 +89,8 @@ def test_a_foreign_bag_is_estimated_and_says_so(third_party: Path) -> None:
     assert found.provenance.estimated
     assert found.sweep is None
     assert found.map is None
-    assert told == {"messages"}
+    assert told == {"messages, through the model"}
+    assert found.stretches == Stretches(count=1), "too short to be cut"
     # What bags/README.md says of it: dwells at 1200, 2150 and −900 r/min.
     speeds = {round(dwell.speed / RPM, -1) for dwell in found.dwells.rows}
     assert {1200, 2150, -900} <= speeds

@@ -10,10 +10,10 @@ from seat_gear_dynamics.gears import ForbiddenBand
 from seat_gear_dynamics.gears.units import RPM
 from seat_gear_dynamics.logs.analysis.bands import BandStays, stretches
 from seat_gear_dynamics.logs.analysis.batches import FORCE_COLUMNS, Direction, Recent, empty
-from seat_gear_dynamics.logs.analysis.flows import Flows
 from seat_gear_dynamics.logs.analysis.histories import Binned
 from seat_gear_dynamics.logs.analysis.occupancy import Occupancy, holds
 from seat_gear_dynamics.logs.analysis.section_cloud import SectionCloud
+from seat_gear_dynamics.logs.flows import Flows
 
 BANDS = (ForbiddenBand(100.0, 110.0, 600.0), ForbiddenBand(150.0, 200.0, 600.0))
 

@@ -9,10 +9,8 @@ import pytest
 from seat_gear_dynamics.gears import load_train
 from seat_gear_dynamics.gears.units import RPM
 from seat_gear_dynamics.logs import topics
-from seat_gear_dynamics.logs.analysis.ordered import Ordered
 from seat_gear_dynamics.logs.analysis.sources import Measured, Source
 from seat_gear_dynamics.logs.analysis.stream import Stream
-from seat_gear_dynamics.logs.container import Block, Message
 from seat_gear_dynamics.logs.errors import LogError
 from seat_gear_dynamics.logs.reader import Bag
 from seat_gear_dynamics.logs.run import read_run
@@ -24,47 +22,11 @@ class Recorded(Stream):
 
     def __init__(self, bag: Bag, source: Source | None = None) -> None:
         super().__init__(bag, load_train(), source)
-        self._estimate = None
+        self._estimated = None
 
 
 def drive_of(path: Path, source: Source | None = None) -> np.ndarray[Any, np.dtype[np.float64]]:
     return np.concatenate([batch.drive for batch in Recorded(Bag(path), source).batches()])
-
-
-@pytest.fixture
-def ties(tmp_path: Path) -> Path:
-    """A log of 40 chunks in which each begins at the log time at which the last one ended."""
-    with BagWriter(tmp_path / "ties", system_text="", system_hash="", software_version="0") as writer:
-        for topic in (topics.MOTOR_SPEED, topics.LOAD_TORQUE):
-            writer.add_topic(topic.absolute(), topic.type, topic.qos)
-        for n in range(40):
-            for topic in (topics.LOAD_TORQUE, topics.MOTOR_SPEED):
-                data = b"\0\1\0\0" + np.float64(n).tobytes()
-                writer.write(topic.absolute(), data, 10**9 * (1 + n // 2), n)
-            writer.sync(10**9 * (1 + n // 2))
-    return tmp_path / "ties"
-
-
-def test_messages_come_in_the_order_of_the_reader(ties: Path, third_party: Path) -> None:
-    for path in (ties, third_party):
-        bag = Bag(path)
-        assert list(Ordered(bag)) == list(bag.messages())
-
-
-def test_a_log_whose_chunks_touch_is_not_held_in_memory_whole(ties: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    loaded: list[int] = []
-    load = Ordered._load
-
-    def counted(self: Ordered, block: Block, names: dict[int, str]) -> list[Message]:
-        found = load(self, block, names)
-        loaded.append(len(found))
-        return found
-
-    monkeypatch.setattr(Ordered, "_load", counted)
-    held = [sum(loaded) - n for n, _ in enumerate(Ordered(Bag(ties)))]
-    assert sum(loaded) == 80
-    # Four messages have one log time and leave once a chunk of a later time is read, which holds up to two.
-    assert max(held) <= 6
 
 
 def test_a_foreign_bag_gives_every_sample_once_from_topics_and_from_joint_states(third_party: Path) -> None:
@@ -84,6 +46,11 @@ def test_units_are_converted(third_party: Path) -> None:
     plain, scaled = drive_of(third_party), drive_of(third_party, Source(speed_unit="r/min", load_unit="mNm"))
     np.testing.assert_allclose(scaled[:, 1], plain[:, 1] * RPM)
     np.testing.assert_allclose(scaled[:, 2], plain[:, 2] * 1e-3)
+
+
+def test_no_process_at_all_is_refused(third_party: Path) -> None:
+    with pytest.raises(LogError, match="number of processes is 0, expected at least 1"):
+        Stream(Bag(third_party), load_train(), workers=0)
 
 
 @pytest.mark.parametrize(
@@ -132,10 +99,12 @@ def test_a_log_of_ours_gives_all_outputs_as_the_reader_reads_them(log: Path) -> 
     np.testing.assert_allclose(section[:, :3], run.section[:, [2, 0, 1]], atol=1e-6)  # times of 1e9 s to 0.3 µs
     assert (np.diff(section[:, 0]) > 0).all()
     flows = {flow.topic: flow for flow in stream.flows.found()}
-    for flow in run.flows:
-        assert flows[flow.topic].count == flow.count
-        np.testing.assert_allclose(flows[flow.topic].longest_gap, flow.longest_gap)
-        np.testing.assert_allclose(flows[flow.topic].period, flow.period)
+    for name in bag.topics:
+        sent = np.array([message.publish_time_ns for message in bag.messages(name)])
+        assert flows[name].count == len(sent)
+        if len(sent) > 1:
+            np.testing.assert_allclose(flows[name].longest_gap, np.diff(sent).max() * 1e-9)
+            np.testing.assert_allclose(flows[name].period, np.median(np.diff(sent)) * 1e-9)
 
 
 def test_progress_reaches_all_messages(log: Path) -> None:
@@ -164,9 +133,7 @@ def floats(path: Path, rows: list[tuple[int, float]], *, every: int = 3) -> Path
 def test_chunks_whose_times_overlap_come_in_order(tmp_path: Path) -> None:
     times = [10, 40, 20, 30, 60, 50, 35, 90, 80, 70, 100, 45]
     path = floats(tmp_path / "log", [(ms, float(ms)) for ms in times])
-    found = list(Ordered(Bag(path)))
-    assert [m.log_time_ns for m in found] == sorted(m.log_time_ns for m in found)
-    assert len(found) == 13
+    assert Bag(path).message_count == 13
     np.testing.assert_allclose(drive_of(path)[:, 1], sorted(times))
 
 

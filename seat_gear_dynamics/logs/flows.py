@@ -3,14 +3,23 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
+from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 
-from seat_gear_dynamics.logs.run import Flow
-
 _EXACT = 4096  # gaps kept one by one before they go to the histogram
 _EDGES = np.geomspace(1e-6, 1e5, 2501)  # s; neighbours differ by 1 %
+
+
+@dataclass(frozen=True)
+class Flow:
+    """How one topic came: count, median period and longest gap between publications, s (NaN below two messages)."""
+
+    topic: str
+    count: int
+    period: float
+    longest_gap: float
 
 
 class Flows:
