@@ -35,10 +35,25 @@ PARQUET = [
     "pyarrow>=16",  # Parquet beside the CSV tables of `seat-gear analyze --parquet`
 ]
 
+CLUSTER = [
+    "distributed>=2024.1",  # hands sweeps and maps to a Dask cluster (`--scheduler`); nothing else needs it
+]
+
+PEERS = [
+    "heyoka>=7.13",  # Taylor series in batches: a peer that benchmarks/ measures against; nothing else needs it
+    "jitcode>=1.7.3",  # equations compiled by a C compiler: likewise; needs one, and Python's headers
+]
+
+DASHBOARD = [
+    "aiohttp>=3.9.1",  # serves `seat-gear dashboard`; 3.9.1 is Ubuntu 24.04's; nothing else needs it
+]
+
 DEVELOPMENT = [
     *TEST,
     *CALIBRATION,
     *PARQUET,
+    *DASHBOARD,
+    *CLUSTER,
     "mypy>=1.13",  # types
     "types-PyYAML",  # types of PyYAML
     "ruff>=0.8",  # lint and format
@@ -52,15 +67,27 @@ setup(
     python_requires=">=3.11",
     packages=[*find_namespace_packages(include=[f"{PACKAGE}*"]), f"{PACKAGE}.config"],
     package_dir={f"{PACKAGE}.config": "config"},
-    package_data={f"{PACKAGE}.config": ["*.yaml"], PACKAGE: ["py.typed"]},
+    package_data={
+        f"{PACKAGE}.config": ["*.yaml", "*.npz"],
+        PACKAGE: ["py.typed"],
+        f"{PACKAGE}.views.dashboard": ["page/*", "page/vendor/*"],
+    },
     data_files=[
         ("share/ament_index/resource_index/packages", [f"resource/{PACKAGE}"]),
         (SHARE, ["package.xml"]),
-        (f"{SHARE}/config", glob("config/*.yaml")),
+        (f"{SHARE}/config", [*glob("config/*.yaml"), *glob("config/*.npz")]),
         (f"{SHARE}/launch", glob("launch/*.launch.py")),
     ],
     install_requires=REQUIREMENTS,
-    extras_require={"test": TEST, "dev": DEVELOPMENT, "calibration": CALIBRATION, "parquet": PARQUET},
+    extras_require={
+        "test": TEST,
+        "dev": DEVELOPMENT,
+        "calibration": CALIBRATION,
+        "parquet": PARQUET,
+        "dashboard": DASHBOARD,
+        "cluster": CLUSTER,
+        "peers": PEERS,
+    },
     zip_safe=False,
     entry_points={
         "console_scripts": [

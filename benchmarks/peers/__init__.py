@@ -1,0 +1,1 @@
+"""The lane kernel beside other people's integrators, on the same motions at the same error."""
