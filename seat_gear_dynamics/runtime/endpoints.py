@@ -89,6 +89,8 @@ class Publisher:
     def destroy(self) -> None:
         """Leave the topic; use `Node.destroy_publisher`."""
         self._open = False
+        for handler in self.event_handlers:
+            handler.destroy()
         self._writer.close()
 
 
@@ -184,6 +186,8 @@ class Subscription:
     def destroy(self) -> None:
         """Leave the topic; use `Node.destroy_subscription`."""
         self._open = False
+        for handler in self.event_handlers:
+            handler.destroy()
         self._queue.clear()
         self._reader.close()
 

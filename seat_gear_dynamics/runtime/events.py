@@ -150,6 +150,7 @@ class EventHandler:
         self._statuses = {name: event_type[name] for name in callback}
         self._entity = parent_impl
         self._queue: list[Callable[[], Any]] = []
+        self._open = True
         self._mask = 0
         for status in self._statuses.values():
             self._mask |= getattr(DDSStatus, status.bit)
@@ -158,7 +159,7 @@ class EventHandler:
 
     def _take_work(self) -> Callable[[], Any] | None:
         """Return a call of a user's callback with what changed."""
-        if not self._queue:
+        if not self._queue and self._open:
             self._entity.take_status(self._mask)
             for name, status in self._statuses.items():
                 info = status.read(self._entity)
@@ -169,6 +170,11 @@ class EventHandler:
     def _has_backlog(self) -> bool:
         """Return whether changes read before wait for their callback."""
         return bool(self._queue)
+
+    def destroy(self) -> None:
+        """Make no more calls; its publisher or subscription does this at its own end."""
+        self._open = False
+        self._queue.clear()
 
 
 def _bound(callback: Callable[[Any], Any], info: Any) -> Callable[[], Any]:

@@ -182,7 +182,7 @@ class Executor:
             task.result()
 
     def _next_work(self, timeout_sec: float | None, stop: Callable[[], bool] | None) -> Callable[[], Any] | None:
-        """Return the next callback, or None after the timeout, at shutdown, or when `stop` says so."""
+        """Return the next callback, or None after the timeout, at shutdown, after a task, or when `stop` says so."""
         forever = timeout_sec is None or timeout_sec < 0
         end_ns = _NEVER_NS if forever else time.monotonic_ns() + int((timeout_sec or 0.0) * 1e9)
         last_round = False
@@ -195,7 +195,8 @@ class Executor:
                 return None
             if not self._context.ok():
                 raise ExternalShutdownException
-            self._step_tasks()
+            if self._step_tasks():
+                return None
             if self._ready:
                 continue
             left_ns = end_ns - time.monotonic_ns()
@@ -204,9 +205,12 @@ class Executor:
             self._gather(max(0, left_ns))
         return None
 
-    def _step_tasks(self) -> None:
-        for task in tuple(self._tasks):
+    def _step_tasks(self) -> bool:
+        """Let every task go on; return whether one came to its end, which counts as a callback that was run."""
+        tasks = tuple(self._tasks)
+        for task in tasks:
             self._step(task)
+        return any(task.done() for task in tasks)
 
     def _gather(self, most_ns: int) -> None:
         """Fill the queue of ready work with one round: due timers, then data, waiting if there is neither."""

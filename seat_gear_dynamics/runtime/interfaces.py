@@ -81,6 +81,13 @@ _SERVICES: dict[str, tuple[str, str]] = {
         "string[] names",
         "rcl_interfaces/ParameterDescriptor[] descriptors",
     ),
+    "lifecycle_msgs/srv/ChangeState": ("lifecycle_msgs/Transition transition", "bool success"),
+    "lifecycle_msgs/srv/GetState": ("", "lifecycle_msgs/State current_state"),
+    "lifecycle_msgs/srv/GetAvailableStates": ("", "lifecycle_msgs/State[] available_states"),
+    "lifecycle_msgs/srv/GetAvailableTransitions": (
+        "",
+        "lifecycle_msgs/TransitionDescription[] available_transitions",
+    ),
 }
 """Request and response definitions of the known services: the type store has messages only."""
 

@@ -108,9 +108,6 @@ class Node(EntityOwner, ParameterStore, GraphQueries):
         validate_namespace(absolute)
         self._rt_name = self._rt_arguments.remap_node(node_name)
         self._rt_namespace = self._rt_arguments.remap_namespace(self._rt_name, absolute)
-        if self._rt_namespace == absolute and self._rt_name != node_name:
-            # A rule for one node names it by the name in the program or by the new one.
-            self._rt_namespace = self._rt_arguments.remap_namespace(node_name, absolute)
         validate_node_name(self._rt_name)
         validate_namespace(self._rt_namespace)
 
@@ -200,6 +197,11 @@ class Node(EntityOwner, ParameterStore, GraphQueries):
         executor = self.executor
         if executor is not None:
             executor._entities_changed()
+
+    def _rt_wake(self) -> None:
+        executor = self.executor
+        if executor is not None:
+            executor.wake()
 
     # Names -------------------------------------------------------------------------------------------------
 

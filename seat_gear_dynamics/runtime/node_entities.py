@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import weakref
 from collections.abc import Callable, Iterator
 from typing import TYPE_CHECKING, Any
 
@@ -22,6 +23,7 @@ from seat_gear_dynamics.runtime.timer import Rate, Timer
 from seat_gear_dynamics.runtime.wire.qos import dds_qos
 
 if TYPE_CHECKING:
+    from seat_gear_dynamics.runtime.batches import BatchSubscriptions
     from seat_gear_dynamics.runtime.executor import Work
     from seat_gear_dynamics.runtime.graph import NodeEntry
 
@@ -37,11 +39,15 @@ class EntityOwner(ServiceOwner):
         self._publishers: list[Publisher] = []
         self._subscriptions: list[Subscription] = []
         self._timers: list[Timer] = []
+        self._rt_batches: list[BatchSubscriptions] = []
         self._rt_init_services()
         self._rate_group = ReentrantCallbackGroup()
 
     def resolve_topic_name(self, topic: str, *, only_expand: bool = False) -> str:
         """Return the absolute name of a topic, remapped unless `only_expand`."""
+        raise NotImplementedError
+
+    def _rt_wake(self) -> None:
         raise NotImplementedError
 
     @property
@@ -167,6 +173,7 @@ class EntityOwner(ServiceOwner):
         group = callback_group or self._default_callback_group
         period_ns = int(float(timer_period_sec) * S_TO_NS)
         timer = Timer(callback, group, period_ns, clock or self._clock, context=self._context, autostart=autostart)
+        timer._waker = weakref.WeakMethod(self._rt_wake)
         group.add_entity(timer)
         self._timers.append(timer)
         self._rt_changed()
@@ -230,6 +237,7 @@ class EntityOwner(ServiceOwner):
             self._clients,
             self._services,
             self._timers,
+            self._rt_batches,
         )
         for owned in everything:
             for entity in tuple(owned):

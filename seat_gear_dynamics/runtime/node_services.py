@@ -9,6 +9,7 @@ from typing import Any
 from seat_gear_dynamics.runtime.context import Context
 from seat_gear_dynamics.runtime.groups import CallbackGroup, MutuallyExclusiveCallbackGroup
 from seat_gear_dynamics.runtime.interfaces import type_hash
+from seat_gear_dynamics.runtime.logging import RcutilsLogger
 from seat_gear_dynamics.runtime.messages import check_service_class
 from seat_gear_dynamics.runtime.names import dds_topic
 from seat_gear_dynamics.runtime.qos import QoSProfile, qos_profile_services_default
@@ -20,6 +21,7 @@ class ServiceOwner:
     """The part of a node that makes and owns its services and clients."""
 
     _context: Context
+    _logger: RcutilsLogger
 
     def _rt_init_services(self) -> None:
         self._services: list[Service] = []
@@ -79,6 +81,7 @@ class ServiceOwner:
             callback=callback,
             callback_group=group,
             qos=qos_profile,
+            logger_name=self._logger.name,
         )
         group.add_entity(service)
         self._services.append(service)

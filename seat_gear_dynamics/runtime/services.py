@@ -12,14 +12,16 @@ import struct
 import threading
 import time
 from collections import deque
-from collections.abc import Callable
+from collections.abc import Callable, Generator
 from typing import TYPE_CHECKING, Any
 
 from seat_gear_dynamics.runtime.cdr.blocks import HEADER
 from seat_gear_dynamics.runtime.exceptions import InvalidHandle, RCLError
+from seat_gear_dynamics.runtime.logging import get_logger
 from seat_gear_dynamics.runtime.messages import decoder, encoder
 from seat_gear_dynamics.runtime.qos import QoSProfile
 from seat_gear_dynamics.runtime.tasks import Future
+from seat_gear_dynamics.runtime.wire.peers import hears
 
 if TYPE_CHECKING:
     from seat_gear_dynamics.runtime.context import Context
@@ -29,6 +31,10 @@ if TYPE_CHECKING:
 _IDENTITY = struct.Struct("<Qq")
 _BODY = len(HEADER) + _IDENTITY.size
 _MOST_AT_ONCE = 16
+_LONGEST_DISCOVERY = 1.0
+"""Seconds a reply waits for its client's reader to be found; ROS's own middleware waits a tenth, blocking."""
+_MOST_KNOWN = 256
+"""Clients remembered as heard; forgetting one costs a look."""
 
 
 def wrap(identity: bytes, body: bytes) -> bytes:
@@ -47,6 +53,13 @@ def unwrap(data: bytes) -> tuple[bytes, bytes]:
     return data[4:_BODY], data[:4] + data[_BODY:]
 
 
+class _NextRound:
+    """Awaited, it lets the executor do its other work first."""
+
+    def __await__(self) -> Generator[None, None, None]:
+        yield
+
+
 class Service:
     """Answers requests; made by `Node.create_service`."""
 
@@ -61,12 +74,15 @@ class Service:
         callback: Callable[..., Any],
         callback_group: CallbackGroup | None,
         qos: QoSProfile,
+        logger_name: str,
     ):
         self._reader, self._writer = reader, writer
+        self._logger_name = logger_name
         self._decode = decoder(srv_type.Request)
         self._encode = encoder(srv_type.Response)
         self._name = name
-        self._queue: deque[bytes] = deque()
+        self._queue: deque[tuple[bytes, int]] = deque()
+        self._known: set[int] = set()
         self._open = True
         self._condition = reader.condition
         self.srv_type = srv_type
@@ -78,26 +94,45 @@ class Service:
     def _take_work(self) -> Callable[[], Any] | None:
         """Return the answering of the next request."""
         if not self._queue and self._open:
-            self._queue.extend(data for data, _ in self._reader.take(_MOST_AT_ONCE))
+            taken = self._reader.take(_MOST_AT_ONCE)
+            self._queue.extend((data, info.publication_handle) for data, info in taken)
         if not self._queue:
             return None
-        identity, body = unwrap(self._queue.popleft())
-        request = self._decode(body)
-        return lambda: self._answer(identity, request)
+        data, client = self._queue.popleft()
+        try:
+            identity, body = unwrap(data)
+            request = self._decode(body)
+        except ValueError as error:
+            # One malformed client must not end a node that serves good ones too.
+            get_logger(self._logger_name).error(f"A request to {self._name} is left out: {error}")
+            return None
+        return lambda: self._answer(identity, request, client)
 
     def _has_backlog(self) -> bool:
         """Return whether requests taken from DDS wait for their answer."""
         return bool(self._queue)
 
-    def _answer(self, identity: bytes, request: Any) -> Any:
+    def _answer(self, identity: bytes, request: Any, client: int) -> Any:
         response = self.callback(request, self.srv_type.Response())
-        if inspect.iscoroutine(response):
-            return self._answer_later(identity, response)
-        self._send(identity, response)
-        return None
+        if not inspect.iscoroutine(response) and self._is_heard_by(client):
+            self._send(identity, response)
+            return None
+        return self._answer_later(identity, response, client)
 
-    async def _answer_later(self, identity: bytes, coroutine: Any) -> None:
-        self._send(identity, await coroutine)
+    async def _answer_later(self, identity: bytes, response: Any, client: int) -> None:
+        if inspect.iscoroutine(response):
+            response = await response
+        end = time.monotonic() + _LONGEST_DISCOVERY
+        while self._open and not self._is_heard_by(client) and time.monotonic() < end:
+            await _NextRound()
+        self._send(identity, response)
+
+    def _is_heard_by(self, client: int) -> bool:
+        if client not in self._known and hears(self._writer, self._reader, client):
+            if len(self._known) >= _MOST_KNOWN:
+                self._known.clear()
+            self._known.add(client)
+        return client in self._known
 
     def _send(self, identity: bytes, response: Any) -> None:
         if not isinstance(response, self.srv_type.Response):

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import threading
+import weakref
 from collections.abc import Callable
 from typing import Any
 
@@ -10,13 +11,21 @@ from seat_gear_dynamics.runtime.clock import Clock, ROSClock
 from seat_gear_dynamics.runtime.context import Context, get_default_context
 from seat_gear_dynamics.runtime.exceptions import InvalidHandle, ROSInterruptException
 from seat_gear_dynamics.runtime.groups import CallbackGroup
-from seat_gear_dynamics.runtime.time import ClockType
+from seat_gear_dynamics.runtime.time import Duration
+from seat_gear_dynamics.runtime.time_jumps import ClockChange, JumpThreshold, TimeJump
 
 _NEVER_NS = 2**62
+_SOURCE_CHANGES = (ClockChange.ROS_TIME_ACTIVATED, ClockChange.ROS_TIME_DEACTIVATED)
+_EVERY_JUMP = JumpThreshold(min_forward=Duration(nanoseconds=1), min_backward=Duration(nanoseconds=-1))
 
 
 class Timer:
-    """Calls a function every period of its clock; periods missed are left out, not made up for."""
+    """Calls a function every period of its clock; periods missed are left out, not made up for.
+
+    Its clock may jump, or change its source; what the timer then does is what rcl's timers do (rcl/src/rcl/timer.c).
+    """
+
+    _threshold = _EVERY_JUMP
 
     def __init__(
         self,
@@ -39,7 +48,11 @@ class Timer:
         self._next_ns = self._last_ns + self._period_ns
         self._canceled = not autostart
         self._destroyed = False
-        self._was_active = isinstance(clock, ROSClock) and clock.ros_time_is_active
+        self._credit_ns = 0
+        self._waker: weakref.WeakMethod[Callable[[], None]] | None = None
+        self._ros_clock = clock if isinstance(clock, ROSClock) else None
+        if self._ros_clock is not None:
+            clock._listeners.add(self)
 
     @property
     def clock(self) -> Clock:
@@ -59,20 +72,35 @@ class Timer:
         """Return how long to wait for the next call in nanoseconds; very long where only /clock can tell."""
         if self._canceled or self._destroyed:
             return _NEVER_NS
-        self._follow_clock_source()
         left = self._next_ns - self._clock._now_ns()
-        return _NEVER_NS if left > 0 and self._was_active else left
+        simulated = self._ros_clock is not None and self._ros_clock._active
+        return _NEVER_NS if left > 0 and simulated else left
 
-    def _follow_clock_source(self) -> None:
-        """Start afresh when simulated time is switched on or off, or jumps back: old times mean nothing."""
-        clock = self._clock
-        if clock.clock_type is not ClockType.ROS_TIME:
-            return
-        assert isinstance(clock, ROSClock)
-        jumped_back = self._was_active and clock._now_ns() < self._last_ns
-        if clock.ros_time_is_active != self._was_active or jumped_back:
-            self._was_active = clock.ros_time_is_active
-            self._restart()
+    def _before_jump(self, jump: TimeJump) -> None:
+        """Keep what is left of the period where the source of time changes."""
+        now = self._clock._now_ns()
+        if jump.clock_change in _SOURCE_CHANGES and now != 0:
+            self._credit_ns = self._next_ns - now
+
+    def _after_jump(self, jump: TimeJump) -> None:
+        """Take the times of the next and the last call over into the new time."""
+        now = self._clock._now_ns()
+        if jump.clock_change in _SOURCE_CHANGES:
+            # At zero the new source has not told the time yet: its first message is a jump of its own.
+            if now != 0 and self._credit_ns:
+                self._last_ns = now - self._credit_ns
+                self._next_ns = self._last_ns + self._period_ns
+                self._credit_ns = 0
+        elif self._next_ns <= now:
+            self._wake()
+        elif now < self._last_ns:
+            self._last_ns, self._next_ns = now, now + self._period_ns
+
+    def _wake(self) -> None:
+        """Wake whoever waits for this timer."""
+        wake = self._waker() if self._waker is not None else None
+        if wake is not None:
+            wake()
 
     def _take_work(self) -> Callable[[], Any] | None:
         """Return the callback if its time has come, and count it as called."""
@@ -81,8 +109,8 @@ class Timer:
         now = self._clock._now_ns()
         self._last_ns = now
         self._next_ns += self._period_ns
-        if self._next_ns < now:
-            missed = 0 if self._period_ns == 0 else 1 + (now - self._next_ns - 1) // self._period_ns
+        if self._next_ns <= now:
+            missed = 0 if self._period_ns == 0 else 1 + (now - self._next_ns) // self._period_ns
             self._next_ns = now if self._period_ns == 0 else self._next_ns + missed * self._period_ns
         return self.callback
 
@@ -100,12 +128,9 @@ class Timer:
 
     def reset(self) -> None:
         """Count a whole period from now; a cancelled timer runs again."""
-        self._restart()
+        self._next_ns = self._clock._now_ns() + self._period_ns
         self._canceled = False
-
-    def _restart(self) -> None:
-        self._last_ns = self._clock._now_ns()
-        self._next_ns = self._last_ns + self._period_ns
+        self._wake()
 
     def time_since_last_call(self) -> int:
         """Return the nanoseconds since the last call, or since the start."""
@@ -118,6 +143,7 @@ class Timer:
     def destroy(self) -> None:
         """Make no more calls; use `Node.destroy_timer`."""
         self._destroyed = True
+        self._clock._listeners.remove(self)
 
 
 class Rate:

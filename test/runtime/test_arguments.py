@@ -11,6 +11,7 @@ from programs import MakeNode
 from seat_gear_dynamics.runtime import arguments, exceptions, names
 from seat_gear_dynamics.runtime.context import Context
 from seat_gear_dynamics.runtime.node import Node
+from seat_gear_dynamics.runtime.parameter_files import read_parameter_file
 from seat_gear_dynamics.runtime.wire import domain as wire_domain
 
 
@@ -86,6 +87,9 @@ def test_parameter_values_as_ros_reads_them(text: str, value: Any) -> None:
         (["-r"], "its value is missing"),
         (["-r", "a"], "is not a remapping rule"),
         (["-r", "/*:=x"], "wildcards"),
+        (["-r", "/n/one:x:=y"], "is not a remapping rule. Invalid topic name"),
+        (["-p", "/n/one:a:=1"], "is not a parameter"),
+        (["-p", "/**:a:=1"], "is not a parameter"),
         (["-p", "a"], "is not a parameter"),
         (["-p", "a:=[1, 2.0]"], "different types"),
         (["-p", "a:=[1"], "not valid YAML"),
@@ -144,7 +148,7 @@ def test_wrong_parameter_files_are_sentences(tmp_path: Path, text: str) -> None:
     path = tmp_path / "wrong.yaml"
     path.write_text(text)
     with pytest.raises(RuntimeError, match=r"wrong\.yaml"):
-        arguments.read_parameter_file(path)
+        read_parameter_file(path)
 
 
 def test_other_arguments_are_left_alone() -> None:

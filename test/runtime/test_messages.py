@@ -197,6 +197,23 @@ def test_no_bytes_make_the_decoder_fail_otherwise(tail: bytes) -> None:
             rclpy.deserialize_message(b"\0\1\0\0" + tail, message_class(name))
 
 
+JAZZY_LIFECYCLE = {
+    "msg/TransitionEvent": "d5f8873a2f0146498f812d7885c7327ce27e463d36811d8792f35ee38c0d6c38",
+    "srv/ChangeState_Request": "d74c6f524e14cade7b67e7297190360ed749264af300524fc1456f27cc2a553a",
+    "srv/ChangeState_Response": "e1ddfed0271fefe63767aa71561926e4d9eac0f1ddf9e71a8873eb46b36deac2",
+    "srv/GetState_Request": "77a9c844e7975f15bc2221e8bbebafc4d118afb78c7f7071eef91f83f940f2f6",
+    "srv/GetState_Response": "fe249babab472e42cb5653b5d6a6b0c42a003b0fdfb84851aea3fde08760b4f5",
+    "srv/GetAvailableStates_Response": "223e0dd5bb8a847ebb9532adaf8b5e2a97e6e68e79faeaabd81a45fb32925bd1",
+    "srv/GetAvailableTransitions_Response": "4711339461aadf02bcfff797a198de911f885074bd3f2fe9f7b677ef87f0741c",
+}
+"""Hashes in the .json files that Jazzy's lifecycle_msgs 2.0.2 installs."""
+
+
+@pytest.mark.parametrize(("name", "digest"), JAZZY_LIFECYCLE.items())
+def test_lifecycle_hashes_are_those_of_jazzy(name: str, digest: str) -> None:
+    assert interfaces.type_hash(f"lifecycle_msgs/{name}") == f"RIHS01_{digest}"
+
+
 def test_hashes_are_those_of_jazzy() -> None:
     expected = "RIHS01_705ba9c3d1a09df43737eb67095534de36fd426c0587779bda2bc51fe790182a"
     assert interfaces.type_hash("std_msgs/msg/Float64") == expected

@@ -190,3 +190,34 @@ def test_events_and_services(make_node: MakeNode, executor: Any, spin_until: Spi
     spin_until(lambda: any(event.changed_parameters for event in events))
     changed = next(event for event in events if event.changed_parameters)
     assert (changed.node, changed.changed_parameters[0].value.double_value) == ("/owner", 2.0)
+
+
+def test_what_a_callback_raises_comes_out_of_spin(make_node: MakeNode, executor: Any, spin_until: SpinUntil) -> None:
+    node = make_node(start_parameter_services=True)
+    node.declare_parameter("speed", 1.0)
+    executor.add_node(node)
+    kind = get_service("rcl_interfaces/srv/SetParameters")
+    client = node.create_client(kind, "~/set_parameters")
+    spin_until(client.service_is_ready)
+
+    def judge(parameters: list[Parameter]) -> Any:
+        raise ValueError("a fault of the node")
+
+    node.add_on_set_parameters_callback(judge)
+    client.call_async(kind.Request(parameters=[Parameter("speed", value=2.0).to_parameter_msg()]))
+    with pytest.raises(ValueError, match="a fault of the node"):
+        spin_until(lambda: False)
+    assert node.get_parameter("speed").value == 1.0
+
+
+def test_a_malformed_parameter_is_refused(make_node: MakeNode, executor: Any, spin_until: SpinUntil) -> None:
+    node = make_node(start_parameter_services=True)
+    executor.add_node(node)
+    kind = get_service("rcl_interfaces/srv/SetParameters")
+    client = node.create_client(kind, "~/set_parameters")
+    spin_until(client.service_is_ready)
+    message = Parameter("speed", value=2.0).to_parameter_msg()
+    message.value.type = 77
+    future = client.call_async(kind.Request(parameters=[message]))
+    spin_until(future.done)
+    assert not future.result().results[0].successful

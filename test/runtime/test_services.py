@@ -7,8 +7,10 @@ from typing import Any
 import pytest
 from programs import PREAMBLE, MakeNode, Run, SpinUntil
 
-from seat_gear_dynamics.runtime.messages import get_service
+from seat_gear_dynamics.runtime.messages import encoder, get_service
+from seat_gear_dynamics.runtime.qos import QoSProfile
 from seat_gear_dynamics.runtime.services import unwrap, wrap
+from seat_gear_dynamics.runtime.wire.qos import dds_qos
 
 Trigger = get_service("std_srvs/srv/Trigger")
 SetBool = get_service("std_srvs/srv/SetBool")
@@ -113,3 +115,55 @@ rclpy.spin(node)
     assert future.result().message == "ready"
     server.stop()
     spin_until(lambda: not client.service_is_ready())
+
+
+def test_a_malformed_request_is_left_out(
+    make_node: MakeNode, executor: Any, spin_until: SpinUntil, capsys: pytest.CaptureFixture[str]
+) -> None:
+    node = make_node()
+    executor.add_node(node)
+    kind = get_service("lifecycle_msgs/srv/ChangeState")
+    node.create_service(kind, "change", lambda _, response: response)
+    client = node.create_client(kind, "change")
+    spin_until(client.service_is_ready)
+    # DDS refuses bytes that are too short, not a text that is no UTF-8.
+    client._writer.write(wrap(bytes(16), bytes.fromhex("00010000 01000000 02000000 ff00")))
+    future = client.call_async(kind.Request())
+    spin_until(future.done)
+    assert "A request to /change is left out: " in capsys.readouterr().err
+
+
+def test_a_reply_waits_for_a_client_that_is_half_discovered(
+    make_node: MakeNode, executor: Any, spin_until: SpinUntil
+) -> None:
+    node = make_node()
+    executor.add_node(node)
+    asked: list[bool] = []
+    ticks: list[None] = []
+
+    def reply(request: Any, response: Any) -> Any:
+        asked.append(request.data)
+        return answer(request, response)
+
+    service = node.create_service(SetBool, "switch", reply)
+    node.create_timer(0.001, lambda: ticks.append(None))
+    participant = node.context._participant
+    policies = dds_qos(QoSProfile(depth=10), "clientid=half;")
+    # First the endpoint that asks, as on a network that is slow to tell of the other one.
+    writer = participant.writer("rq/switchRequest", SetBool.Request.FULL_NAME, policies, request_header=True)
+    spin_until(lambda: writer.matched() == 1)
+    identity = bytes(range(16))
+    writer.write(wrap(identity, encoder(SetBool.Request)(SetBool.Request(data=True))))
+    spin_until(lambda: asked)
+    begun = len(ticks)
+    spin_until(lambda: len(ticks) > begun)
+    reader = participant.reader("rr/switchReply", SetBool.Response.FULL_NAME, policies, request_header=True)
+    got: list[tuple[bytes, Any]] = []
+
+    def heard() -> bool:
+        got.extend(reader.take(1))
+        return bool(got)
+
+    spin_until(heard)
+    assert unwrap(got[0][0])[0] == identity
+    assert service._known

@@ -3,6 +3,7 @@
 import pytest
 
 from seat_gear_dynamics.runtime.context import Context
+from seat_gear_dynamics.runtime.lifecycle.node import LifecycleNode
 from seat_gear_dynamics.runtime.node import Node
 
 # rclpy's own private names, which a subclass has to leave alone there as well.
@@ -30,10 +31,26 @@ RCLPY = {
 }
 
 
-def test_every_private_name_is_rclpys_or_carries_the_runtimes_prefix(context: Context) -> None:
-    node = Node("names", context=context)
-    names = {name for name in {*dir(Node), *vars(node)} if name.startswith("_") and not name.startswith("__")}
-    strange = {name for name in names if not name.startswith(("_rt_", "_Node__"))} - RCLPY
+# What rclpy's managed nodes have besides.
+RCLPY_LIFECYCLE = {
+    "_callbacks",
+    "_managed_entities",
+    "_service_change_state",
+    "_service_get_available_states",
+    "_service_get_available_transitions",
+    "_service_get_state",
+    "_service_get_transition_graph",
+    "_state_machine",
+}
+
+
+@pytest.mark.parametrize(("kind", "known"), [(Node, RCLPY), (LifecycleNode, RCLPY | RCLPY_LIFECYCLE)])
+def test_every_private_name_is_rclpys_or_carries_the_runtimes_prefix(
+    context: Context, kind: type[Node], known: set[str]
+) -> None:
+    node = kind("names", context=context)
+    names = {name for name in {*dir(kind), *vars(node)} if name.startswith("_") and not name.startswith("__")}
+    strange = {name for name in names if not name.startswith(("_rt_", "_Node__"))} - known
     node.destroy_node()
     assert not strange, "a subclass may use these names for itself"
 

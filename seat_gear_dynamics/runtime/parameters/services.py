@@ -78,8 +78,12 @@ class ParameterService:
         refused = get_message("rcl_interfaces/msg/SetParametersResult")
         try:
             parameters = [Parameter.from_parameter_msg(message) for message in messages]
+        except ValueError as error:
+            return refused(successful=False, reason=str(error))
+        # What a callback of the node raises is a fault of the node: it comes out of spin, as in rclpy.
+        try:
             return self._node.set_parameters_atomically(parameters)
-        except (ParameterNotDeclaredException, ValueError) as error:
+        except ParameterNotDeclaredException as error:
             return refused(successful=False, reason=str(error))
 
 

@@ -17,8 +17,12 @@ HIGHEST_DOMAIN = 232
 CONFIGURATION = """<CycloneDDS><Domain><General><Interfaces><NetworkInterface autodetermine="true"/>
 <NetworkInterface name="lo" multicast="false"/></Interfaces></General><Discovery>
 <ParticipantIndex>auto</ParticipantIndex><MaxAutoParticipantIndex>32</MaxAutoParticipantIndex>
-<Peers><Peer address="127.0.0.1"/></Peers></Discovery></Domain></CycloneDDS>"""
-"""Found by, and finding, ROS 2 nodes whatever their discovery range; used unless CYCLONEDDS_URI is set."""
+<Peers><Peer address="127.0.0.1"/></Peers></Discovery>
+<Internal><SocketReceiveBufferSize max="4MB"/></Internal></Domain></CycloneDDS>"""
+"""Found by, and finding, ROS 2 nodes whatever their discovery range; used unless CYCLONEDDS_URI is set.
+
+The system gives as much of the buffer as net.core.rmem_max allows; datagrams that find no room in it are dropped.
+"""
 
 
 LOOPBACK_ONLY = CONFIGURATION.replace('<NetworkInterface autodetermine="true"/>', "")

@@ -9,15 +9,20 @@ from typing import Any
 from seat_gear_dynamics.runtime.exceptions import RCLError
 
 
+def path() -> str:
+    """Return the file of Cyclone's C library that this process uses."""
+    from cyclonedds.internal import DDS
+
+    return str(DDS._dll_handle._name)
+
+
 @cache
 def library() -> ct.CDLL:
     """Return Cyclone's C library with the signatures of the calls made here.
 
     It is opened a second time, so that these signatures do not touch those the Python package sets.
     """
-    from cyclonedds.internal import DDS
-
-    library = ct.CDLL(DDS._dll_handle._name)
+    library = ct.CDLL(path())
     entity, status = ct.c_int32, ct.c_int32
     signatures: dict[str, tuple[Any, ...]] = {
         "dds_create_waitset": (entity, entity),
@@ -30,6 +35,12 @@ def library() -> ct.CDLL:
         "dds_assert_liveliness": (status, entity),
         "dds_get_matched_subscriptions": (status, entity, ct.c_void_p, ct.c_size_t),
         "dds_get_matched_publications": (status, entity, ct.c_void_p, ct.c_size_t),
+        "dds_get_sample_lost_status": (status, entity, ct.c_void_p),
+        "dds_set_topic_filter_extended": (status, entity, ct.c_void_p),
+        "dds_take_with_collector": (
+            *(status, entity, ct.c_uint32, ct.c_uint64, ct.c_uint32),
+            *(ct.c_void_p, ct.c_void_p),
+        ),
     }
     for name, (result, *arguments) in signatures.items():
         function = getattr(library, name)

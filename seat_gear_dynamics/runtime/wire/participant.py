@@ -3,12 +3,15 @@
 from __future__ import annotations
 
 import threading
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from seat_gear_dynamics.runtime.exceptions import RCLError
 from seat_gear_dynamics.runtime.wire import types as wire_types
 from seat_gear_dynamics.runtime.wire.domain import domains
 from seat_gear_dynamics.runtime.wire.library import checked, delete, library
+
+if TYPE_CHECKING:
+    from seat_gear_dynamics.runtime.wire.counted import CountedReader
 
 _ANY_STATE = 0x7F
 _OK, _TIMEOUT = 0, -10
@@ -119,6 +122,7 @@ class Participant:
         self.ref: int = self.entity._ref
         self._lock = threading.Lock()
         self._topics: dict[tuple[str, str], Any] = {}
+        self._counted: list[CountedReader] = []  # DDS writes into their memory until the participant is gone
         self._open = True
 
     def gid(self) -> bytes:
@@ -154,6 +158,26 @@ class Participant:
         except DDSException as error:
             raise RCLError(f"No subscription on {topic!r} of {type_name}: {error}") from error
 
+    def counted_reader(self, topic: str, type_name: str, qos: Any, depth: int, number: int) -> CountedReader:
+        """Make a reader that counts what arrives, on a topic entity of its own, which its filter needs.
+
+        Raises:
+            RCLError: DDS refuses.
+        """
+        from cyclonedds.core import DDSException
+        from cyclonedds.sub import DataReader
+        from cyclonedds.topic import Topic
+
+        from seat_gear_dynamics.runtime.wire.counted import CountedReader
+
+        try:
+            own = Topic(self.entity, topic, wire_types.topic_struct(type_name))
+            made = CountedReader(own, lambda entity: DataReader(self.entity, entity, qos=qos), depth, number)
+        except DDSException as error:
+            raise RCLError(f"No subscription on {topic!r} of {type_name}: {error}") from error
+        self._counted.append(made)
+        return made
+
     def _topic(self, topic: str, type_name: str, request_header: bool) -> Any:
         from cyclonedds.topic import Topic
 
@@ -171,4 +195,5 @@ class Participant:
         self._open = False
         self._topics.clear()
         delete(self.entity)
+        self._counted.clear()
         domains.release(self.domain_id)

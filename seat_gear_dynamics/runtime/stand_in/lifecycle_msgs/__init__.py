@@ -1,0 +1,1 @@
+"""Interfaces of the ROS package lifecycle_msgs."""
