@@ -1,18 +1,25 @@
 """The same model beside a running bench: virtual sensor and alarm, with time and data as arguments."""
 
-from seat_gear_dynamics.sensing.alarm import Alarm, AlarmSettings, Level, Verdict
+from seat_gear_dynamics.sensing.alarm import Alarm, AlarmSettings, Verdict
+from seat_gear_dynamics.sensing.bands import PACKAGED_MAP, BandSource, MapBands, PublishedBands
+from seat_gear_dynamics.sensing.evidence import Evidence, Level
 from seat_gear_dynamics.sensing.reading import Contact, ForceWindow, Reading
 from seat_gear_dynamics.sensing.regime_watch import RegimeWatch
 from seat_gear_dynamics.sensing.session import Change, Session, warm_up
 from seat_gear_dynamics.sensing.virtual_sensor import RejectedSampleError, VirtualSensor
 
 __all__ = [
+    "PACKAGED_MAP",
     "Alarm",
     "AlarmSettings",
+    "BandSource",
     "Change",
     "Contact",
+    "Evidence",
     "ForceWindow",
     "Level",
+    "MapBands",
+    "PublishedBands",
     "Reading",
     "RegimeWatch",
     "RejectedSampleError",

@@ -1,17 +1,24 @@
 """One monitored drive: virtual sensor and alarm together, and what to publish since the last time it was asked."""
 
 from dataclasses import dataclass
+from math import inf
 
 import numpy as np
 from numpy.typing import NDArray
 
 from seat_gear_dynamics.gears import GearTrain
 from seat_gear_dynamics.regimes import warm_up as warm_up_judgement
-from seat_gear_dynamics.sensing.alarm import Alarm, AlarmSettings, Level, Verdict
+from seat_gear_dynamics.sensing.alarm import Alarm, AlarmSettings, Verdict
+from seat_gear_dynamics.sensing.bands import BandSource, PublishedBands
+from seat_gear_dynamics.sensing.evidence import Level
 from seat_gear_dynamics.sensing.reading import ForceWindow, Reading
 from seat_gear_dynamics.sensing.virtual_sensor import VirtualSensor
 
 Array = NDArray[np.float64]
+
+SETTLING = 1.0
+"""s after the model was put at rest in which its motion is no evidence: some 400 mesh periods of the fast drives where
+chaos is met, which is what a map runs in too."""
 
 
 @dataclass(frozen=True)
@@ -34,16 +41,19 @@ class Session:
         train: GearTrain,
         *,
         settings: AlarmSettings | None = None,
+        bands: BandSource | None = None,
         max_gap: float = 0.5,
         section_points: int = 256,
     ) -> None:
+        """Start a session of `train`; `bands` are the published ones until a source such as `MapBands` is given."""
         self.sensor = VirtualSensor(train, max_gap=max_gap)
-        self.alarm = Alarm.for_train(train, settings)
+        self.alarm = Alarm(bands or PublishedBands.of(train), settings=settings)
         self.reading: Reading | None = None
         self.section: Array = np.empty((0, 3))
         """The last section points, at most `section_points`, shape (n, 3): δ/b_c, dimensionless rate, t in s."""
         self.verdict = self.alarm.stale("no input yet")
         self._room = section_points
+        self._began = -inf
         self._windows = (ForceWindow(), ForceWindow())
 
     def feed(self, t: float, speed: float, load: float) -> Change:
@@ -56,7 +66,10 @@ class Session:
         first, second = (a.merged(b) for a, b in zip(self._windows, reading.windows, strict=True))
         self._windows = (first, second)
         self.reading = reading
-        return self._follow(reading, self.alarm.update(t, speed, load, reading.regime))
+        if reading.event != "running":
+            self._began = t
+        settled = t - self._began >= SETTLING
+        return self._follow(reading, self.alarm.update(t, speed, load, reading.regime, self.section, settled=settled))
 
     def silence(self, reason: str) -> bool:
         """Tell the alarm that inputs are missing; return True if this changed level or trip signal."""

@@ -2,11 +2,13 @@
 
 from collections.abc import Callable, Sequence
 
+import numpy as np
 import pytest
 
-from seat_gear_dynamics.gears import ForbiddenBand
+from seat_gear_dynamics.gears import ForbiddenBand, GearTrain
 from seat_gear_dynamics.gears.units import RPM
-from seat_gear_dynamics.regimes import Regime
+from seat_gear_dynamics.regimes import Regime, RegimeMap
+from seat_gear_dynamics.regimes.regime_map import NAMES, fingerprint
 from seat_gear_dynamics.sensing import Alarm, Verdict
 
 
@@ -41,3 +43,28 @@ def run(calm: Regime) -> Callable[..., list[Verdict]]:
         return [alarm.update(start + n / rate, v * RPM, 600.0, regime) for n, v in enumerate(rpm)]
 
     return feed
+
+
+@pytest.fixture(scope="session")
+def make_map(train: GearTrain) -> Callable[..., RegimeMap]:
+    """Make a map of `train` over 10, 20, … rad/s and 100, 200, … N·m with this chaos, by load."""
+
+    def make(chaos: Sequence[Sequence[float]], *, samples: int = 0, first: float = 10.0) -> RegimeMap:
+        p = np.array(chaos, dtype=float)
+        codes = np.where(p >= 0.5, NAMES.index("chaotic"), NAMES.index("periodic")).astype(np.int64)
+        return RegimeMap(
+            speeds=np.array([first + 10.0 * k for k in range(p.shape[1])]),
+            loads=100.0 * np.arange(1, p.shape[0] + 1),
+            codes=codes,
+            period=np.where(p >= 0.5, 0, 1).astype(np.int64),
+            lyapunov=p / 10,
+            contact_loss=p,
+            force_max=100 * p,
+            chaos=p,
+            samples=samples,
+            fingerprint=fingerprint(train),
+            transient=1,
+            periods=48,
+        )
+
+    return make

@@ -1,0 +1,63 @@
+"""How good the warning is: ROC curves, notice before ramps, delay to ERROR."""
+
+from typing import Any
+
+import numpy as np
+
+from seat_gear_dynamics.studies.warning_quality.assess import Assessment
+from seat_gear_dynamics.studies.warning_quality.score import LONGEST_NOTICE, Roc
+from seat_gear_dynamics.views.figures.style import LINE_COLOURS, Axes, new_figure
+
+_NAMES = {
+    "danger": "all evidence",
+    "place": "place and course",
+    "motion": "running model",
+    "map": "map's probability",
+    "ahead": "all, 0.5 s ahead",
+}
+_REACH = 0.5  # s of notice that is asked for
+
+
+def warning_quality_figure(found: Assessment) -> Any:
+    """Return the figure of an assessment: two ROCs above, notice and delay below."""
+    figure, axes = new_figure(2, 2, width=9.0, height=7.2)
+    draw_roc(axes[0, 0], found.rocs, "danger by the bands and the model's own chaos")
+    draw_roc(axes[0, 1], found.machine_rocs, "chaos of machines within tolerances")
+    draw_notices(axes[1, 0], found)
+    draw_delays(axes[1, 1], found)
+    return figure
+
+
+def draw_roc(axes: Axes, curves: dict[str, Roc], title: str) -> None:
+    """Draw the curves with their areas; where there is none, say so."""
+    axes.set(xlabel="false positive rate", ylabel="true positive rate", title=title, xlim=(-0.01, 1), ylim=(0, 1.02))
+    if not curves:
+        axes.text(0.5, 0.5, "the runs hold one class only", transform=axes.transAxes, ha="center")
+        return
+    for (name, roc), colour in zip(curves.items(), LINE_COLOURS, strict=False):
+        label = f"{_NAMES[name]}, area {roc.area:.3f}"
+        axes.plot(roc.false_rate, roc.true_rate, color=colour, label=label, linewidth=2 if name == "danger" else 1.2)
+    axes.plot([0, 1], [0, 1], color="#999999", linestyle=":", linewidth=0.8)
+    axes.legend(loc="lower right", fontsize=8)
+
+
+def draw_notices(axes: Axes, found: Assessment) -> None:
+    """Draw a histogram of the notice before ramps into a band, by acceleration."""
+    accelerations = sorted({of for of, _ in found.whole.notices})
+    edges = np.linspace(0, LONGEST_NOTICE, 21)
+    groups = [[notice for of, notice in found.whole.notices if of == each] for each in accelerations]
+    colours = LINE_COLOURS[: len(groups)]
+    if groups:
+        labels = [f"{each:g} r/min per s" for each in accelerations]
+        axes.hist(groups, bins=edges, stacked=True, color=colours, label=labels)
+        axes.legend(fontsize=8)
+    axes.axvline(_REACH, color="black", linestyle="--", linewidth=0.8)
+    axes.set(xlabel="notice before entry, s (longest counted: 2)", ylabel="ramps", title="notice before ramps")
+
+
+def draw_delays(axes: Axes, found: Assessment) -> None:
+    """Draw a histogram of the delay from a band's edge to ERROR."""
+    delays = 1e3 * np.array(found.whole.delays)
+    if len(delays):
+        axes.hist(delays, bins=np.arange(-5, max(float(delays.max()), 100.0) + 15, 10), color=LINE_COLOURS[0])
+    axes.set(xlabel="from the edge to ERROR, ms (0: it stood before)", ylabel="stays in a band", title="delay")
