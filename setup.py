@@ -48,12 +48,20 @@ DASHBOARD = [
     "aiohttp>=3.9.1",  # serves `seat-gear dashboard`; 3.9.1 is Ubuntu 24.04's; nothing else needs it
 ]
 
+DOCS = [
+    "sphinx>=9.0",  # builds the site (`scripts/docs`)
+    "myst-parser>=5.2",  # its pages are Markdown, with formulas and checked links
+    "furo>=2025.12.19",  # its look: light and dark, on a phone, nothing loaded from other hosts
+    "latex2mathml>=3.81",  # formulas as MathML, which needs neither a script nor a network
+]
+
 DEVELOPMENT = [
     *TEST,
     *CALIBRATION,
     *PARQUET,
     *DASHBOARD,
     *CLUSTER,
+    *DOCS,
     "mypy>=1.13",  # types
     "types-PyYAML",  # types of PyYAML
     "ruff>=0.8",  # lint and format
@@ -87,6 +95,7 @@ setup(
         "dashboard": DASHBOARD,
         "cluster": CLUSTER,
         "peers": PEERS,
+        "docs": DOCS,
     },
     zip_safe=False,
     entry_points={

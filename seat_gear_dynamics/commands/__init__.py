@@ -11,6 +11,7 @@ from seat_gear_dynamics import __version__
 # at its top nothing heavier than argparse, so that --help is quick.
 COMMANDS = {
     "bench": "bench",
+    "dashboard": "dashboard",
     "monitor": "node",
     "record": "node",
     "simulator": "node",
@@ -22,6 +23,7 @@ COMMANDS = {
     "taguchi": "taguchi",
     "calibrate": "calibrate",
     "reproduce": "reproduce",
+    "quality": "quality",
     "analyze": "analyze",
     "replay": "replay",
     "recover": "recover",

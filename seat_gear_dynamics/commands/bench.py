@@ -4,6 +4,7 @@ import argparse
 import json
 from pathlib import Path
 
+from seat_gear_dynamics.commands.dashboard import PORT, port
 from seat_gear_dynamics.commands.texts import Texts
 
 TEXTS = {
@@ -23,6 +24,14 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--profile", default="up-down", metavar="NAME", help="up-down, run-up, run-down, dwell-in-band or load-step"
     )
+    parser.add_argument(
+        "--dashboard",
+        nargs="?",
+        const=PORT,
+        type=port,
+        metavar="PORT",
+        help=f"serve the dashboard to this machine, read-only (default port {PORT})",
+    )
     parser.add_argument("--seed", type=int, default=0, metavar="N", help="seed of the simulated noise (default 0)")
 
 
@@ -41,6 +50,7 @@ def run(arguments: argparse.Namespace) -> int:
         system=arguments.system,
         seed=arguments.seed,
         quiet=arguments.json,
+        dashboard=arguments.dashboard,
     )
     ended = bench.run()
     values, lines = report(bench.output, None, arguments.system)

@@ -2,7 +2,8 @@
 
 import signal
 import tempfile
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 from datetime import datetime
 from pathlib import Path
 from time import monotonic
@@ -15,6 +16,7 @@ from rich.live import Live
 
 from seat_gear_dynamics.bench.profiles import profile
 from seat_gear_dynamics.commands.children import Child
+from seat_gear_dynamics.commands.dashboard_run import Dashboard, Settings
 from seat_gear_dynamics.commands.errors import CommandError
 from seat_gear_dynamics.commands.listener import Listener
 from seat_gear_dynamics.gears import load_train
@@ -40,6 +42,7 @@ class BenchRun:
         system: str | None,
         seed: int,
         quiet: bool,
+        dashboard: int | None = None,
     ) -> None:
         if duration is not None and not 0 < duration < float("inf"):
             raise CommandError(f"--duration is {duration!r} s, expected more than 0.")
@@ -52,6 +55,7 @@ class BenchRun:
         self._profile, self._seed = profile_name, seed
         self._system = str(Path(system).absolute()) if system else ""
         self._console = Console(quiet=quiet)
+        self._dashboard = None if dashboard is None else Dashboard(Settings(port=dashboard, system=system))
         self._stop = False
         self._children: list[Child] = []
         self._begin = 0.0
@@ -73,7 +77,7 @@ class BenchRun:
         rclpy.init(args=[], signal_handler_options=SignalHandlerOptions.NO)
         node = Listener(self._state)
         try:
-            with tempfile.TemporaryDirectory(prefix="seat_gear_bench_") as words:
+            with self._shown(), tempfile.TemporaryDirectory(prefix="seat_gear_bench_") as words:
                 try:
                     self._start(node, Path(words))
                     self._watch(node)
@@ -83,6 +87,16 @@ class BenchRun:
             node.destroy_node()
             rclpy.try_shutdown()
         return "interrupted" if self._stop else "duration"
+
+    @contextmanager
+    def _shown(self) -> Iterator[None]:
+        """Serve the dashboard, where it was asked for, as long as the run lasts."""
+        if self._dashboard is None:
+            yield
+            return
+        with self._dashboard:
+            self._console.print(f"dashboard: {self._dashboard.url}")
+            yield
 
     def _start(self, node: Listener, words: Path) -> None:
         """Start recorder and monitor, then, once the log hears every topic, the simulator."""
