@@ -3,6 +3,7 @@
 import argparse
 import sys
 from collections.abc import Sequence
+from contextlib import AbstractContextManager, nullcontext
 from importlib import import_module
 
 from seat_gear_dynamics import __version__
@@ -28,18 +29,32 @@ COMMANDS = {
     "replay": "replay",
     "recover": "recover",
 }
+# Those that run the model in this process. Compiling it takes some seconds, once on a machine, in which they say so.
+_MODELLING = frozenset(
+    ("simulate", "sweep", "map", "harmonic", "taguchi", "calibrate", "reproduce", "quality", "analyze", "replay")
+)
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
     """Run `seat-gear`; returns 0 done, 1 failed; wrong use exits with 2."""
     parsed = _parser().parse_args(arguments)
     try:
-        return int(parsed.run(parsed))
+        with _compilation_told(parsed):
+            return int(parsed.run(parsed))
     except KeyboardInterrupt:
         return 130
     except _expected() as error:
         print(f"error: {error}", file=sys.stderr)
         return 1
+
+
+def _compilation_told(parsed: argparse.Namespace) -> AbstractContextManager[None]:
+    """Return the context in which a compilation is told on standard error; with --json it stays silent."""
+    if parsed.command not in _MODELLING or parsed.json:
+        return nullcontext()
+    from seat_gear_dynamics.motion.compiling import announced
+
+    return announced(lambda text: print(text, file=sys.stderr, flush=True))
 
 
 def _expected() -> tuple[type[Exception], ...]:

@@ -7,11 +7,17 @@ from collections.abc import Iterator
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from seat_gear_dynamics.commands.computing import add_computing_arguments, interruptible, workers
+from seat_gear_dynamics.commands.map_files import MapFiles
 from seat_gear_dynamics.commands.output import PICTURE_ENDINGS, path_ending_in
 from seat_gear_dynamics.commands.texts import Texts
 
 if TYPE_CHECKING:
+    from seat_gear_dynamics.cluster.build import Build
+    from seat_gear_dynamics.commands.journal import Journal
+    from seat_gear_dynamics.gears import GearTrain
     from seat_gear_dynamics.regimes.regime_map import RegimeMap
+    from seat_gear_dynamics.regimes.workers import Workers
 
 TEXTS = {
     "map": Texts(
@@ -62,53 +68,85 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--plot", type=path_ending_in(*PICTURE_ENDINGS), metavar="F.png", help="draw the map (PNG, SVG or PDF)"
     )
+    add_computing_arguments(parser)
     parser.set_defaults(wrong_use=parser.error)
 
 
 def run(arguments: argparse.Namespace) -> int:
-    """Compute, write, draw, and print the forbidden bands."""
+    """Compute, write, draw, and print the forbidden bands; or go on with an interrupted run of the same."""
     from seat_gear_dynamics.commands.errors import CommandError
+    from seat_gear_dynamics.commands.journal import Journal
+    from seat_gear_dynamics.motion import load_system
 
     if not 0 < arguments.threshold <= 1:
         arguments.wrong_use(f"--threshold is {arguments.threshold:g}, expected more than 0 and at most 1")
     if arguments.samples < 0 or arguments.seed < 0:
         arguments.wrong_use("--samples and --seed are whole numbers of at least 0")
+    train = load_system(arguments.system).train
     try:
-        found = _compute(arguments)
+        files = _files(arguments, train)
     except ValueError as error:
         raise CommandError(str(error)) from error
-    _write(found, arguments.output)
-    if arguments.plot:
-        _draw(found, arguments.threshold, arguments.plot)
-    values = _summary(arguments, found)
-    print(json.dumps(values) if arguments.json else "\n".join(_lines(values)))
+    paths = (files.nodes, files.machines)
+    with (
+        workers(arguments) as (by, build),
+        Journal(arguments.output, paths, _identity(arguments, train, build), restart=arguments.restart) as journal,
+    ):
+        _compute(arguments, files, by, journal)
+        found = files.regime_map(arguments.samples)
+        _write(found, arguments.output)
+        if arguments.plot:
+            _draw(found, arguments.threshold, arguments.plot)
+        values = _summary(arguments, found)
+        print(json.dumps(values) if arguments.json else "\n".join(_lines(values)))
+        journal.finish()
+        files.remove()
     return 0
 
 
-def _compute(arguments: argparse.Namespace) -> "RegimeMap":
-    from seat_gear_dynamics.commands.progress import progress
-    from seat_gear_dynamics.gears.units import RPM
-    from seat_gear_dynamics.motion import load_system
-    from seat_gear_dynamics.regimes.regime_map import RegimeMap
-    from seat_gear_dynamics.regimes.tolerance import with_tolerances
+def _files(arguments: argparse.Namespace, train: "GearTrain") -> MapFiles:
+    """Return the files of the map that was asked for; raises ValueError for impossible grids and lengths."""
+    import numpy as np
 
-    system = load_system(arguments.system)
-    covered = system.train.model.covered_speed / RPM
+    from seat_gear_dynamics.gears.units import RPM
+    from seat_gear_dynamics.regimes.map_nodes import MapGrid
+
+    covered = train.model.covered_speed / RPM
     rpm = _grid(arguments, "--speed-rpm", arguments.speed_rpm or (covered / 80, covered, 80.0))
-    loads = _grid(arguments, "--load", arguments.load)
-    with progress("regime map", quiet=arguments.json) as tell:
-        found = RegimeMap.compute(
-            system,
-            [each * RPM for each in rpm],
-            loads,
-            tell,
-            transient=arguments.transient,
-            periods=arguments.periods,
-        )
-    if not arguments.samples:
-        return found
-    with progress(f"{arguments.samples} machines", quiet=arguments.json) as tell:
-        return with_tolerances(found, system, samples=arguments.samples, seed=arguments.seed, progress=tell)
+    speeds, loads = [each * RPM for each in rpm], _grid(arguments, "--load", arguments.load)
+    grid = MapGrid(np.array(speeds), np.array(loads), arguments.transient, arguments.periods)
+    return MapFiles(arguments.output, train, grid)
+
+
+def _identity(arguments: argparse.Namespace, train: "GearTrain", build: "Build") -> dict[str, dict[str, Any]]:
+    """Return what the numbers of the map depend on."""
+    from seat_gear_dynamics.regimes.regime_map import fingerprint
+
+    names = ("speed_rpm", "load", "samples", "seed", "transient", "periods")
+    asked = {name: getattr(arguments, name) for name in names}
+    own = {"fingerprint": fingerprint(train), "covered speed": train.model.covered_speed}
+    return {"the map's": asked, "the system's": own, "the program's": dict(build)}
+
+
+def _compute(arguments: argparse.Namespace, files: MapFiles, by: "Workers", journal: "Journal") -> None:
+    """Find what the journal does not hold yet: the nominal machine's nodes, then those of machines drawn."""
+    from seat_gear_dynamics.commands.progress import progress
+
+    reached, machines = journal.reached, f"{arguments.samples} machines"
+    nodes, weights = int(reached.get("nodes", 0)), int(reached.get("weights", 0))
+    with interruptible(lambda: _standing(files, journal)):
+        with progress("regime map", quiet=arguments.json, begun=nodes) as tell:
+            files.find_nodes(journal, by, tell)
+        if arguments.samples:
+            with progress(machines, quiet=arguments.json, begun=weights) as tell:
+                files.find_machines(journal, by, arguments.samples, arguments.seed, tell)
+    journal.flush()
+
+
+def _standing(files: MapFiles, journal: "Journal") -> str:
+    nodes, weights = (journal.reached.get(name, 0) for name in ("nodes", "weights"))
+    drawn = f" and machine {weights // files.grid.nodes + 1}" if weights else ""
+    return f"node {nodes} of {files.grid.nodes}{drawn}"
 
 
 def _grid(arguments: argparse.Namespace, option: str, given: tuple[float, float, float]) -> list[float]:
@@ -138,21 +176,21 @@ def _rows(found: "RegimeMap") -> Iterator[tuple[Any, ...]]:
     from math import isnan
 
     from seat_gear_dynamics.gears.units import RPM
+    from seat_gear_dynamics.regimes.bands import wilson_interval
     from seat_gear_dynamics.regimes.regime_map import NAMES
 
+    rpm = (found.speeds / RPM).tolist()
     for row, load in enumerate(found.loads.tolist()):
-        for column, speed in enumerate(found.speeds.tolist()):
-            at = (row, column)
-            measured = (float(each[at]) for each in (found.lyapunov, found.contact_loss, found.force_max))
-            yield (
-                load,
-                speed / RPM,
-                NAMES[int(found.codes[at])],
-                int(found.period[at]) or None,
-                *(None if isnan(each) else each for each in measured),
-                float(found.chaos[at]),
-                *found.interval_at(speed, load),
-            )
+        chaos = found.chaos[row]
+        bounds = wilson_interval(chaos, found.samples) if found.samples else (chaos, chaos)
+        measured = zip(
+            *(each[row].tolist() for each in (found.lyapunov, found.contact_loss, found.force_max)), strict=True
+        )
+        judged = zip(rpm, found.codes[row].tolist(), found.period[row].tolist(), measured, strict=True)
+        shares = zip(*(each.tolist() for each in (chaos, *bounds)), strict=True)
+        for (speed, code, period, numbers), probability in zip(judged, shares, strict=True):
+            known = (None if isnan(each) else each for each in numbers)
+            yield load, speed, NAMES[code], period or None, *known, *probability
 
 
 def _draw(found: "RegimeMap", threshold: float, path: Path) -> None:
@@ -169,7 +207,7 @@ def _summary(arguments: argparse.Namespace, found: "RegimeMap") -> dict[str, Any
     return {
         "speed_rpm": (found.speeds / RPM).tolist(),
         "load": found.loads.tolist(),
-        "regimes": {name: int((found.codes == code).sum()) for code, name in enumerate(NAMES)},
+        "regimes": {name: sum(int((row == code).sum()) for row in found.codes) for code, name in enumerate(NAMES)},
         "samples": found.samples,
         "threshold": arguments.threshold,
         "bands": [

@@ -4,12 +4,15 @@ import sys
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 
+_MEMORY = 300.0  # s, over which speed is estimated: blocks of a cluster come rarely
+
 
 @contextmanager
-def progress(label: str, *, quiet: bool = False) -> Iterator[Callable[[int, int], None]]:
+def progress(label: str, *, quiet: bool = False, begun: int = 0) -> Iterator[Callable[[int, int], None]]:
     """Give a callback that takes (done, in all) and shows both with the time left.
 
-    Silent where `quiet` (as with --json) or where standard error is no terminal. The bar is gone when the context ends.
+    `begun`: how much was done before, by an earlier run: it says nothing of how fast this one is. Silent where `quiet`
+    (as with --json) or where standard error is no terminal. The bar is gone when the context ends.
     """
     if quiet or not sys.stderr.isatty():
         yield lambda done, total: None
@@ -18,8 +21,8 @@ def progress(label: str, *, quiet: bool = False) -> Iterator[Callable[[int, int]
     from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeRemainingColumn
 
     columns = (TextColumn("{task.description}"), BarColumn(), MofNCompleteColumn(), TimeRemainingColumn())
-    with Progress(*columns, console=Console(stderr=True), transient=True) as bars:
-        task = bars.add_task(label, total=None)
+    with Progress(*columns, console=Console(stderr=True), transient=True, speed_estimate_period=_MEMORY) as bars:
+        task = bars.add_task(label, total=None, completed=begun)
         yield lambda done, total: bars.update(task, completed=done, total=total)
 
 

@@ -1,20 +1,24 @@
 """`seat-gear sweep`: a bifurcation diagram, written row by row."""
 
 import argparse
-import csv
 import json
 from collections import Counter
 from collections.abc import Generator
-from contextlib import ExitStack, closing
-from pathlib import Path
+from contextlib import closing
 from typing import TYPE_CHECKING, Any
 
+from seat_gear_dynamics.commands.computing import add_computing_arguments, interruptible, workers
 from seat_gear_dynamics.commands.output import PICTURE_ENDINGS, path_ending_in
+from seat_gear_dynamics.commands.sweep_files import coexisting, drawn_rows, points_path, read_rows, thinning
 from seat_gear_dynamics.commands.texts import Texts
 
 if TYPE_CHECKING:
+    from seat_gear_dynamics.cluster.build import Build
+    from seat_gear_dynamics.commands.journal import Journal
     from seat_gear_dynamics.motion import System
-    from seat_gear_dynamics.regimes.sweep import Row, Sweep
+    from seat_gear_dynamics.regimes.sweep_plan import Plan
+    from seat_gear_dynamics.regimes.sweep_table import Lines
+    from seat_gear_dynamics.regimes.workers import Workers
 
 TEXTS = {
     "sweep": Texts(
@@ -22,21 +26,6 @@ TEXTS = {
         "seat-gear sweep --over load --start 100 --stop 600 --points 6 --frequency 0.5 --output sweep.csv",
     )
 }
-COLUMNS = (
-    "value",
-    "regime",
-    "period",
-    "lyapunov",
-    "contact_loss",
-    "force_min",
-    "force_max",
-    "force_mean",
-    "force_rms",
-    "direction",
-)
-"""Of the CSV: forces in N, of s1_s2; a field is empty where there is nothing to say."""
-POINT_COLUMNS = ("value", "direction", "delta", "rate")
-"""Of the CSV of section points: delta in units of b_c, its rate per unit of dimensionless time."""
 _DRIVES = {"frequency", "speed_rpm"}
 _OVER = ("frequency", "speed-rpm", "damping", "backlash-um", "load")
 
@@ -71,40 +60,50 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--plot", type=path_ending_in(*PICTURE_ENDINGS), metavar="F.png", help="draw the diagram (PNG, SVG or PDF)"
     )
+    add_computing_arguments(parser)
     parser.set_defaults(wrong_use=parser.error)
 
 
 def run(arguments: argparse.Namespace) -> int:
-    """Sweep, write each row as it is found, draw, and sum up."""
+    """Sweep, write each row as it is found, draw, and sum up; or go on with an interrupted run of the same."""
     from seat_gear_dynamics.commands.errors import CommandError
-    from seat_gear_dynamics.regimes.sweep import Sweep, row_count, sweep_rows
+    from seat_gear_dynamics.commands.journal import Journal
 
     fixed = _fixed(arguments)
     try:
-        rows = sweep_rows(
-            _fixed_system(arguments.system, fixed),
-            over=_quantity(arguments),
-            start=arguments.start,
-            stop=arguments.stop,
-            points=arguments.points,
-            direction=arguments.direction,
-            transient=arguments.transient,
-            periods=arguments.periods,
-        )
+        plan, system = _plan(arguments), _fixed_system(arguments.system, fixed)
+        plan.check(system)
     except ValueError as error:
         raise CommandError(str(error)) from error
-    written = _write(arguments, rows, row_count(arguments.points, arguments.direction))
-    found = Sweep(_quantity(arguments), tuple(written))
-    if arguments.plot:
-        _draw(found, arguments.plot)
-    values = _summary(arguments, found)
-    print(json.dumps(values) if arguments.json else "\n".join(_lines(arguments, found, values)))
+    files = (arguments.output, points_path(arguments.output))
+    with (
+        workers(arguments) as (by, build),
+        Journal(arguments.output, files, _identity(plan, system, build), restart=arguments.restart) as journal,
+    ):
+        _compute(arguments, system, plan, by, journal)
+        if arguments.plot:
+            _draw(arguments, plan)
+        _say(arguments, plan)
+        journal.finish()
     return 0
 
 
-def points_path(table: Path) -> Path:
-    """Return where the section points of the sweep in `table` go."""
-    return table.with_name(f"{table.stem}_points.csv")
+def _plan(arguments: argparse.Namespace) -> "Plan":
+    from seat_gear_dynamics.regimes.sweep_plan import Plan
+
+    names = ("start", "stop", "points", "direction", "transient", "periods")
+    return Plan(_quantity(arguments), **{name: getattr(arguments, name) for name in names})
+
+
+def _identity(plan: "Plan", system: "System", build: "Build") -> dict[str, dict[str, Any]]:
+    """Return what the numbers of the sweep depend on."""
+    from dataclasses import asdict
+
+    from seat_gear_dynamics.regimes.regime_map import fingerprint
+
+    at = system.operating_point
+    own = {"fingerprint": fingerprint(system.train), "frequency": at.frequency, "load": at.load}
+    return {"the sweep's": asdict(plan), "the system's": own, "the program's": dict(build)}
 
 
 def _quantity(arguments: argparse.Namespace) -> Any:
@@ -146,63 +145,93 @@ def _fixed_system(description: str | None, fixed: dict[str, float]) -> "System":
     return replace(system, train=point.applied_to(system.train))
 
 
-def _write(arguments: argparse.Namespace, rows: "Generator[Row, None, None]", total: int) -> "list[Row]":
-    """Write the rows as they come, each flushed, so that an interrupted sweep leaves whole rows; return them."""
+def _compute(arguments: argparse.Namespace, system: "System", plan: "Plan", by: "Workers", journal: "Journal") -> None:
+    """Write the rows that the journal does not hold yet, each as it is found."""
     from seat_gear_dynamics.commands.progress import progress
+    from seat_gear_dynamics.regimes.sweep_table import heads
 
-    written: list[Row] = []
-    with ExitStack() as open_files:
-        table, cloud = (
-            open_files.enter_context(path.open("w", newline="", encoding="utf-8"))
-            for path in (arguments.output, points_path(arguments.output))
-        )
-        tell = open_files.enter_context(progress(f"sweep over {arguments.over}", quiet=arguments.json))
-        open_files.enter_context(closing(rows))
-        row_writer, point_writer = (csv.writer(file, lineterminator="\n") for file in (table, cloud))
-        row_writer.writerow(COLUMNS)
-        point_writer.writerow(POINT_COLUMNS)
-        for row in rows:
-            # The points go first, so that every row of the table has its points.
-            point_writer.writerows((row.value, row.direction, *point) for point in row.section.tolist())
-            cloud.flush()
-            values = row.as_dict()
-            row_writer.writerow(values[name] for name in COLUMNS)  # None is written as an empty field
-            table.flush()
-            written.append(row)
-            tell(len(written), total)
-    return written
+    def standing() -> str:
+        return f"row {journal.reached.get('rows', 0)} of {plan.rows}"
+
+    with interruptible(standing):
+        if not journal.reached:
+            journal.add(heads(), {"rows": 0, "states": {}})
+        begun = int(journal.reached["rows"])
+        with (
+            closing(_rows(system, plan, by, journal)) as rows,
+            progress(f"sweep over {arguments.over}", quiet=arguments.json, begun=begun) as tell,
+        ):
+            tell(begun, plan.rows)
+            for done, found in enumerate(rows, begun + 1):
+                states = {} if plan.direction == "cold" else {**journal.reached["states"], found.direction: found.state}
+                journal.add((found.table, found.points), {"rows": done, "states": states})
+                journal.flush()
+                tell(done, plan.rows)
 
 
-def _draw(found: "Sweep", path: Path) -> None:
+def _rows(system: "System", plan: "Plan", by: "Workers", journal: "Journal") -> "Generator[Lines, None, None]":
+    from seat_gear_dynamics.regimes.sweep import sweep_each
+    from seat_gear_dynamics.regimes.sweep_plan import Begun
+    from seat_gear_dynamics.regimes.sweep_table import lines
+
+    begun = Begun(journal.reached["rows"], journal.reached["states"])
+    return sweep_each(system, plan, lines, workers=by, begun=begun)
+
+
+def _draw(arguments: argparse.Namespace, plan: "Plan") -> None:
+    from seat_gear_dynamics.regimes.sweep import Sweep
     from seat_gear_dynamics.views.figures.bifurcation import bifurcation_figure
     from seat_gear_dynamics.views.figures.style import save
 
-    save(bifurcation_figure(found), path)
+    found = Sweep(plan.over, tuple(drawn_rows(arguments.output, plan)))
+    save(bifurcation_figure(found), arguments.plot)
 
 
-def _summary(arguments: argparse.Namespace, found: "Sweep") -> dict[str, Any]:
-    from seat_gear_dynamics.regimes.sweep import UNITS, intervals
+def _say(arguments: argparse.Namespace, plan: "Plan") -> None:
+    """Print what was found: as JSON row by row, for there may be more rows than memory."""
+    values = _summary(arguments, plan)
+    if not arguments.json:
+        print("\n".join(_lines(arguments, plan, values)))
+        return
+    print(json.dumps(values)[:-1], end=', "rows": [')
+    for number, row in enumerate(read_rows(arguments.output)):
+        print(", " * bool(number) + json.dumps(row.as_dict()), end="")
+    print("]}")
 
+
+def _summary(arguments: argparse.Namespace, plan: "Plan") -> dict[str, Any]:
+    from seat_gear_dynamics.regimes.sweep import UNITS
+
+    regimes = Counter(row.regime.name for row in read_rows(arguments.output))
     return {
         "over": arguments.over,
-        "unit": UNITS[found.over],
+        "unit": UNITS[plan.over],
         "direction": arguments.direction,
-        "rows": [row.as_dict() for row in found.rows],
-        "regimes": dict(Counter(row.regime.name for row in found.rows)),
-        "chaotic": intervals(found, "chaotic"),
-        "coexisting": found.coexisting(),
-        "diverged": [row.value for row in found.rows if row.force is None],
+        "regimes": dict(regimes),
+        "chaotic": _chaotic(arguments, plan),
+        "coexisting": list(coexisting(arguments.output, plan)),
+        "diverged": [row.value for row in read_rows(arguments.output) if row.force is None],
         "output": str(arguments.output),
         "section_points": str(points_path(arguments.output)),
         "plot": None if arguments.plot is None else str(arguments.plot),
     }
 
 
-def _lines(arguments: argparse.Namespace, found: "Sweep", values: dict[str, Any]) -> list[str]:
+def _chaotic(arguments: argparse.Namespace, plan: "Plan") -> list[tuple[float, float]]:
+    """Return the ranges of values over which the motion is chaotic, in one direction or the other."""
+    from seat_gear_dynamics.regimes.sweep import Sweep, intervals, stretches
+
+    rows = read_rows(arguments.output)
+    if plan.direction == "both":
+        return list(intervals(Sweep(plan.over, tuple(rows)), "chaotic"))
+    return sorted(stretches((row.value, row.regime.name == "chaotic") for row in rows))
+
+
+def _lines(arguments: argparse.Namespace, plan: "Plan", values: dict[str, Any]) -> list[str]:
     unit = "" if values["unit"] == "1" else f" {values['unit']}"
     ranges = ", ".join(f"{low:.6g} to {high:.6g}{unit}" for low, high in values["chaotic"])
     lines = [
-        f"{len(found.rows)} rows over {arguments.over}, {arguments.start:g} to {arguments.stop:g}{unit}: "
+        f"{plan.rows} rows over {arguments.over}, {arguments.start:g} to {arguments.stop:g}{unit}: "
         + ", ".join(f"{count} {name}" for name, count in values["regimes"].items()),
         f"chaotic: {ranges or 'nowhere'} (ends uncertain by one step)",
     ]
@@ -211,5 +240,6 @@ def _lines(arguments: argparse.Namespace, found: "Sweep", values: dict[str, Any]
         lines.append(f"up and down on different motions at: {apart or 'no value'}")
     if values["diverged"]:
         lines.append("diverged at: " + ", ".join(f"{value:.6g}" for value in values["diverged"]))
-    pictures = [f"picture: {arguments.plot}"] if arguments.plot else []
+    some = "" if thinning(plan) == 1 else f" (one of {thinning(plan)} values)"
+    pictures = [f"picture: {arguments.plot}{some}"] if arguments.plot else []
     return [*lines, f"table:   {values['output']}", f"points:  {values['section_points']}", *pictures]

@@ -6,11 +6,12 @@ other: how they are shared out over lanes and threads changes no number. Only `f
 
 from collections import deque
 from collections.abc import Generator, Iterable, Iterator, Sequence
-from concurrent.futures import Future, ThreadPoolExecutor
+from concurrent.futures import ThreadPoolExecutor
+from contextlib import closing
 from dataclasses import dataclass, replace
+from functools import partial
 from itertools import islice
 from math import inf, isfinite, pi
-from os import cpu_count
 from typing import TypeVar
 
 import numpy as np
@@ -18,16 +19,14 @@ from numpy.typing import NDArray
 
 from seat_gear_dynamics.gears import GearTrain
 from seat_gear_dynamics.motion import OperatingPoint, System, Window, integrate
-from seat_gear_dynamics.motion.lanes import WIDTH, in_reach, respond_lanes, supports
+from seat_gear_dynamics.motion.lanes import in_reach, respond_lanes, supports
 from seat_gear_dynamics.motion.march import DivergedError
 from seat_gear_dynamics.regimes.classification import Regime, classify, undecided
+from seat_gear_dynamics.regimes.workers import BATCH as BATCH
+from seat_gear_dynamics.regimes.workers import Workers, chosen
 
 Array = NDArray[np.float64]
 Item = TypeVar("Item")
-
-BATCH = 2 * WIDTH
-"""Points that are marched together."""
-_IN_FLIGHT = 2  # batches per worker submitted ahead of the one that is read: enough to keep all busy, little to hold
 
 
 @dataclass(frozen=True, eq=False)
@@ -98,32 +97,30 @@ class Diverged:
 Answer = Motion | Diverged
 
 
-def respond(train: GearTrain, points: Iterable[Point], *, workers: int | None = None) -> Iterator[Answer]:
+def bare(train: GearTrain) -> GearTrain:
+    """Return `train` without its texts and what it has computed already: what its motion needs, fit to travel."""
+    meshes = replace(train.meshes[0]), replace(train.meshes[1])
+    return replace(train, text="", provenance={}, bands=(), meshes=meshes)
+
+
+def respond(
+    train: GearTrain, points: Iterable[Point], *, workers: Workers | int | None = None
+) -> Generator[Answer, None, None]:
     """Yield the answer to each of `points` of `train`, in their order, as they become ready.
 
-    Points are marched BATCH at a time in `workers` threads (default: as many as processors), few batches ahead of the
-    answer yielded, so that memory stays bounded however many points there are. Answers depend neither on the number of
-    threads nor on the order of points. Closing the iterator drops what has not begun. Raises ValueError where
-    `workers` is below 1.
+    Points are marched BATCH at a time by `workers` (a number: so many threads, default as many as processors), few
+    batches ahead of the answer yielded, so that memory stays bounded however many points there are. Answers depend
+    neither on who computes them nor on the order of points. Closing the iterator drops what has not begun. Raises
+    ValueError where `workers` is below 1.
     """
-    count = (cpu_count() or 1) if workers is None else workers
-    if count < 1:
-        raise ValueError(f"Asked for {count} workers, expected at least 1.")
-    return _stream(train, iter(points), count)
+    return _stream(train, iter(points), chosen(workers))
 
 
-def _stream(train: GearTrain, points: Iterator[Point], workers: int) -> Iterator[Answer]:
-    pool = ThreadPoolExecutor(workers)
-    waiting: deque[Future[list[Answer]]] = deque()
-    try:
-        while batch := list(islice(points, BATCH)):
-            waiting.append(pool.submit(_answers, train, batch))
-            if len(waiting) >= _IN_FLIGHT * workers:
-                yield from waiting.popleft().result()
-        while waiting:
-            yield from waiting.popleft().result()
-    finally:
-        pool.shutdown(cancel_futures=True)
+def _stream(train: GearTrain, points: Iterator[Point], workers: Workers) -> Generator[Answer, None, None]:
+    batches = iter(lambda: list(islice(points, BATCH)), [])
+    with closing(workers.compute(partial(answers, train), batches)) as found:
+        for batch in found:
+            yield from batch
 
 
 def follow(train: GearTrain, points: Iterable[Point]) -> Iterator[Answer]:
@@ -143,10 +140,10 @@ def follow(train: GearTrain, points: Iterable[Point]) -> Iterator[Answer]:
 
 def answer(train: GearTrain, point: Point) -> Answer:
     """Return the motion of `train` at `point`, or that it diverged."""
-    return _answers(train, [point])[0]
+    return answers(train, [point])[0]
 
 
-def _answers(train: GearTrain, points: Sequence[Point]) -> list[Answer]:
+def answers(train: GearTrain, points: Sequence[Point]) -> list[Answer]:
     """Return the answers to `points`: those that lanes can march all at once, the others one by one."""
     found: dict[int, Answer] = {}
     alike: dict[tuple[object, ...], list[int]] = {}

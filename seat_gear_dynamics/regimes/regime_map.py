@@ -1,6 +1,6 @@
 """The regime map: what the motion is over speed and load, and the forbidden bands that follow."""
 
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Callable
 from dataclasses import dataclass, fields, replace
 from hashlib import sha256
 from typing import Any, BinaryIO
@@ -13,14 +13,15 @@ from numpy.typing import ArrayLike, NDArray
 from seat_gear_dynamics.gears import GearTrain
 from seat_gear_dynamics.motion import System
 from seat_gear_dynamics.regimes.bands import MapBand, forbidden_bands, wilson_interval
-from seat_gear_dynamics.regimes.classification import Name, Regime
-from seat_gear_dynamics.regimes.points import Answer, Diverged, Point, increasing, regime_of, respond
+from seat_gear_dynamics.regimes.classification import Name
+from seat_gear_dynamics.regimes.map_nodes import NAMES as NAMES
+from seat_gear_dynamics.regimes.map_nodes import NODE, MapGrid, Nodes, map_nodes
+from seat_gear_dynamics.regimes.map_nodes import chaos_weight as chaos_weight
+from seat_gear_dynamics.regimes.workers import Workers
 
 Array = NDArray[np.float64]
 Codes = NDArray[np.int64]
 
-NAMES: tuple[Name, ...] = ("periodic", "quasi-periodic", "chaotic", "undecided")
-"""Regimes by their code in a map."""
 _FORMAT = 1
 
 
@@ -78,25 +79,36 @@ class RegimeMap:
         *,
         transient: int = 400,
         periods: int = 200,
-        workers: int | None = None,
+        workers: Workers | int | None = None,
     ) -> "RegimeMap":
         """Return the map of `system` over `speeds` (rad/s of s1, at least two) and `loads` (T4, N·m).
 
-        Both strictly increasing, speeds positive; the system's own operating point does not matter. `progress` is told
-        (nodes done, nodes in all). Raises ValueError for impossible grids.
+        Both strictly increasing, speeds positive; the system's own operating point does not matter. `workers`: who
+        computes, a number: so many threads of this machine. `progress` is told (nodes done, nodes in all). Raises
+        ValueError for impossible grids.
         """
-        grid = check_grid(speeds, loads)
-        shape = (len(grid[1]), len(grid[0]))
-        columns = np.full((6, *shape), np.nan).reshape(6, -1)
-        unit, total = system.coefficients.force_unit, columns.shape[1]
-        for node, found in enumerate(respond_on_grid(system.train, *grid, transient, periods, workers)):
-            columns[:, node] = _node(found, unit)
-            if progress is not None:
-                progress(node + 1, total)
-        codes, period, lyapunov, contact_loss, force_max, chaos = columns.reshape(6, *shape)
-        whole = (codes.astype(np.int64), period.astype(np.int64))
-        measured = (lyapunov, contact_loss, force_max, chaos)
-        return cls(*grid, *whole, *measured, 0, fingerprint(system.train), transient, periods)
+        grid = MapGrid(np.asarray(speeds), np.asarray(loads), transient, periods)
+        nodes, done = np.empty(grid.nodes, dtype=NODE), 0
+        for block in map_nodes(system.train, grid, workers=workers):
+            for found in block:
+                nodes[done] = found
+                done += 1
+                if progress is not None:
+                    progress(done, len(nodes))
+        return cls.of_nodes(system.train, grid, nodes)
+
+    @classmethod
+    def of_nodes(cls, train: GearTrain, grid: MapGrid, nodes: Nodes) -> "RegimeMap":
+        """Return the map of the nodes, (grid.nodes,) of NODE, that `map_nodes` found; they are not copied.
+
+        Raises MapError for another number of nodes.
+        """
+        if len(nodes) != grid.nodes:
+            raise MapError(f"There are {len(nodes)} nodes, expected {grid.nodes} of {grid.shape} (loads, speeds).")
+        codes, period, *measured = (nodes[name].reshape(grid.shape) for name in NODE.names or ())
+        lyapunov, contact_loss, force_max, chaos = measured
+        judged = (codes, period, lyapunov, contact_loss, force_max, chaos)
+        return cls(grid.speeds, grid.loads, *judged, 0, fingerprint(train), grid.transient, grid.periods)
 
     def covers(self, speed: float, load: float) -> bool:
         """Return whether the map says anything at `speed` (rad/s of s1, either sign) and `load` (N·m)."""
@@ -183,36 +195,6 @@ class RegimeMap:
         return np.asarray((1 - share) * values[below] + share * values[above])
 
 
-def chaos_weight(regime: Regime, *, diverged: bool) -> float:
-    """Return what a node adds to the probability of chaos: 1 for chaos and for a divergence, which is worse.
-
-    An undecided motion whose exponent leans to chaos counts half; everything else is calm.
-    """
-    if diverged or regime.name == "chaotic":
-        return 1.0
-    return 0.5 if regime.leans_chaotic else 0.0
-
-
-def check_grid(speeds: ArrayLike, loads: ArrayLike) -> tuple[Array, Array]:
-    """Return both as arrays; raises ValueError unless they increase and there are two positive speeds at least."""
-    grid = increasing("speeds", speeds, least=0.0, unit="rad/s")
-    if len(grid) < 2:
-        raise ValueError("The map has one speed, expected at least two: bands lie between speeds.")
-    return grid, increasing("loads", loads, least=-np.inf, unit="N·m")
-
-
-def respond_on_grid(
-    train: GearTrain, speeds: Array, loads: Array, transient: int, periods: int, workers: int | None
-) -> Iterator[Answer]:
-    """Yield the answers over the grid, speeds of the first load first; arguments as `RegimeMap.compute`."""
-    asked: Iterable[Point] = (
-        Point(train.frequency(float(speed)), float(load), transient=transient, periods=periods)
-        for load in loads
-        for speed in speeds
-    )
-    return respond(train, asked, workers=workers)
-
-
 def fingerprint(train: GearTrain) -> str:
     """Return a hash (SHA-256, hexadecimal) of every parameter of `train` that its motion depends on.
 
@@ -221,17 +203,6 @@ def fingerprint(train: GearTrain) -> str:
     model = replace(train.model, max_speed=0.0, max_load=0.0, covered_speed=0.0)
     bare = replace(train, name="", text="", provenance={}, bands=(), model=model)
     return sha256(repr(bare).encode()).hexdigest()
-
-
-def _node(found: Answer, unit: float) -> tuple[float, ...]:
-    """Return (code, period, exponent, contact loss, largest force in N, weight of chaos) of one node."""
-    regime = regime_of(found)
-    lyapunov = np.nan if regime.lyapunov is None else regime.lyapunov
-    judged = (NAMES.index(regime.name), regime.period or 0, lyapunov)
-    if isinstance(found, Diverged):
-        return *judged, np.nan, np.nan, chaos_weight(regime, diverged=True)
-    force = found.forces[0]
-    return *judged, force.contact_loss, force.maximum * unit, chaos_weight(regime, diverged=False)
 
 
 def _stored(file: BinaryIO) -> dict[str, NDArray[Any]]:

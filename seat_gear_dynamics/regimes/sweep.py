@@ -1,34 +1,26 @@
 """Bifurcation sweeps: one quantity varied, the motion at each value, up, down or each from rest."""
 
-from collections.abc import Callable, Generator, Iterable
+from collections.abc import Callable, Generator, Iterable, Sequence
+from contextlib import closing
 from dataclasses import dataclass, replace
-from math import isfinite
-from typing import Any, Literal, get_args
+from functools import partial
+from typing import Any, TypeVar, get_args
 
 import numpy as np
 from numpy.typing import NDArray
 
-from seat_gear_dynamics.gears.units import RPM
 from seat_gear_dynamics.motion import System
 from seat_gear_dynamics.regimes.attractors import TOLERANCE, same_motion
 from seat_gear_dynamics.regimes.classification import Name, Regime
-from seat_gear_dynamics.regimes.points import Answer, Motion, Point, abreast, follow, regime_of, respond
+from seat_gear_dynamics.regimes.points import Answer, Motion, Point, abreast, answers, bare, follow, regime_of
 from seat_gear_dynamics.regimes.simulate import MeshForce
+from seat_gear_dynamics.regimes.sweep_plan import UNITS as UNITS
+from seat_gear_dynamics.regimes.sweep_plan import Begun, Direction, Plan, Quantity
+from seat_gear_dynamics.regimes.sweep_plan import Way as Way
+from seat_gear_dynamics.regimes.workers import Workers, chosen, ranges
 
 Array = NDArray[np.float64]
-Quantity = Literal["frequency", "speed", "speed_rpm", "damping", "backlash_um", "load"]
-Direction = Literal["up", "down", "both", "cold"]
-Way = Literal["up", "down", "cold"]
-
-UNITS: dict[Quantity, str] = {
-    "frequency": "1",
-    "speed": "rad/s",
-    "speed_rpm": "r/min",
-    "damping": "1",
-    "backlash_um": "µm",
-    "load": "N·m",
-}
-"""What can be swept, and the unit of its values; speeds are those of s1."""
+Made = TypeVar("Made")
 
 
 @dataclass(frozen=True, eq=False)
@@ -43,6 +35,8 @@ class Row:
     """Force of P12, N; None where the motion diverged."""
     section: Array
     """Section points of P12, (periods, 2), units of b_c; (0, 2) where the motion diverged."""
+    state: Array | None = None
+    """Where the next value starts, (24,); None: at static deflection, as in a cold sweep and after a divergence."""
 
     def as_dict(self) -> dict[str, Any]:
         """Return the row without its section as plain values, forces in N; None where there is none."""
@@ -58,6 +52,7 @@ class Row:
             "force_mean": force and force.mean,
             "force_rms": force and force.rms,
             "direction": self.direction,
+            "lyapunov_error": self.regime.lyapunov_error,
         }
 
 
@@ -86,10 +81,11 @@ class Sweep:
         """
         down = {row.value: row for row in self.along("down")}
         pairs = ((row, down[row.value]) for row in self.along("up") if row.value in down)
-        return tuple(first.value for first, second in pairs if _differ(first, second, tolerance))
+        return tuple(first.value for first, second in pairs if differ(first, second, tolerance=tolerance))
 
 
-def _differ(first: Row, second: Row, tolerance: float) -> bool:
+def differ(first: Row, second: Row, *, tolerance: float = TOLERANCE) -> bool:
+    """Return whether two rows are of different motions; a divergence differs from all but another one."""
     if first.force is None or second.force is None:
         return first.force is not second.force
     return not same_motion(first.section, second.section, tolerance=tolerance)
@@ -105,108 +101,121 @@ def sweep(
     direction: Direction = "cold",
     transient: int = 600,
     periods: int = 400,
-    workers: int | None = None,
+    workers: Workers | int | None = None,
     progress: Callable[[int, int], None] | None = None,
 ) -> Sweep:
-    """Return the bifurcation sweep of `system` over one quantity; arguments as `sweep_rows`.
+    """Return the bifurcation sweep of `system` over one quantity; see `Plan` for what to ask, `sweep_rows` for errors.
 
     `progress` is told (rows done, rows in all).
     """
-    rows = sweep_rows(
-        system,
-        over=over,
-        start=start,
-        stop=stop,
-        points=points,
-        direction=direction,
-        transient=transient,
-        periods=periods,
-        workers=workers,
-    )
-    total, found = row_count(points, direction), []
-    for row in rows:
+    plan, found = Plan(over, start, stop, points, direction, transient, periods), []
+    for row in sweep_rows(system, plan, workers=workers):
         found.append(row)
         if progress is not None:
-            progress(len(found), total)
+            progress(len(found), plan.rows)
     return Sweep(over, tuple(found))
 
 
-def row_count(points: int, direction: Direction) -> int:
-    """Return how many rows a sweep of `points` values gives."""
-    return 2 * points if direction == "both" else points
-
-
 def sweep_rows(
-    system: System,
-    *,
-    over: Quantity,
-    start: float,
-    stop: float,
-    points: int,
-    direction: Direction = "cold",
-    transient: int = 600,
-    periods: int = 400,
-    workers: int | None = None,
+    system: System, plan: Plan, *, workers: Workers | int | None = None, begun: Begun | None = None
 ) -> Generator[Row, None, None]:
-    """Yield the rows of a sweep over `points` equal steps from `start` to `stop`, both included, as they are found.
+    """Yield the rows of a sweep of `system` as they are found; everything but `plan.over` is as `system` has it.
 
-    `over` is frequency (Ω), speed (rad/s of s1), speed_rpm (r/min), damping (ξ) or backlash_um (µm) of both meshes, or
-    load (T4, N·m); everything else is as `system` has it. `cold` starts each value at static deflection, as `simulate`
-    does, in `workers` threads. `up` and `down` (through decreasing values) carry the state at mesh phase 0 over to the
-    next value: the adiabatic sweep, in which a motion is followed until it loses its stability. `both` gives up and
-    down in turn, each in a thread of its own. Closing the generator ends the sweep. Raises ValueError, at once, for
-    impossible ranges and values. Limit: a state is carried by steps, so a step wider than a motion's basin leaves it;
-    see `follow` for P34.
+    Arguments, errors and limits as `sweep_each` has them.
     """
-    values = _values(over, start, stop, points)
-    if direction not in get_args(Direction):
-        raise ValueError(f"The direction is {direction!r}, expected one of {', '.join(get_args(Direction))}.")
-    asked = [_point(system, over, value, transient=transient, periods=periods) for value in values]
-    if direction == "cold":
-        return _rows(system, "cold", values, asked, respond(system.train, asked, workers=workers))
-    up = _rows(system, "up", values, asked, follow(system.train, asked))
-    down = _rows(system, "down", values[::-1], asked[::-1], follow(system.train, asked[::-1]))
-    return abreast({"up": [up], "down": [down], "both": [up, down]}[direction])
+    return sweep_each(system, plan, _itself, workers=workers, begun=begun)
 
 
-def _values(over: Quantity, start: float, stop: float, points: int) -> list[float]:
-    if over not in UNITS:
-        raise ValueError(f"Asked for a sweep over {over!r}, expected one of {', '.join(UNITS)}.")
-    if not (isfinite(start) and isfinite(stop) and start < stop):
-        raise ValueError(
-            f"The sweep goes from {start!r} to {stop!r}, expected finite numbers, the lower first; "
-            f"for decreasing values choose the direction down."
-        )
-    if points < 2:
-        raise ValueError(f"The sweep has {points} points, expected at least 2.")
-    return [float(value) for value in np.linspace(start, stop, points)]
+def sweep_each(
+    system: System,
+    plan: Plan,
+    make: Callable[[Row], Made],
+    *,
+    workers: Workers | int | None = None,
+    begun: Begun | None = None,
+) -> Generator[Made, None, None]:
+    """Yield what `make` makes of each row of a sweep, in the rows' order, as they are found.
+
+    `make` runs where the row was computed and must pickle, so that what it leaves out does not travel. `begun`: go on
+    behind these rows. Rows do not depend on `workers` (a number: so many threads of this machine) nor on where a sweep
+    was taken up again. A cold sweep is shared out in blocks. Up and down are chains: each block of one waits for the
+    one before it, so that two workers at most are busy. Closing the generator ends the sweep. Raises ValueError, at
+    once, for impossible ranges and values. Limit: a state is carried by steps, so a step wider than a motion's basin
+    leaves it; see `follow` for P34.
+    """
+    plan.check(system)
+    by, begun = chosen(workers), begun or Begun()
+    lean = System(bare(system.train), system.operating_point)
+    if plan.direction == "cold":
+        return _cold(lean, plan, make, by, begun.rows)
+    done = {way: (begun.rows + len(plan.ways) - 1 - turn) // len(plan.ways) for turn, way in enumerate(plan.ways)}
+    # The direction that is behind has the next turn.
+    ways = sorted(plan.ways, key=lambda way: done[way])
+    return abreast([_chain(lean, plan, way, make, by, done[way], begun.states.get(way)) for way in ways])
 
 
-def _point(system: System, over: Quantity, value: float, *, transient: int, periods: int) -> Point:
-    at = system.operating_point
-    kept = Point(1.0, at.load, transient=transient, periods=periods)
-    if over in ("frequency", "speed", "speed_rpm"):
-        factor = {"speed": 1.0, "speed_rpm": RPM}
-        return replace(kept, frequency=system.train.frequency(value * factor[over]) if over in factor else value)
-    running = replace(kept, frequency=at.frequency)
-    if over == "load":
-        return replace(running, load=value)
-    if over == "damping":
-        return replace(running, damping_ratio=value)
-    return replace(running, backlash=value * 1e-6)
+def _cold(
+    system: System, plan: Plan, make: Callable[[Row], Made], by: Workers, begin: int
+) -> Generator[Made, None, None]:
+    blocks = ranges(begin, plan.points, by.share(plan.points - begin))
+    with closing(by.compute(partial(_cold_block, system, plan, make), blocks)) as found:
+        for block in found:
+            yield from block
+
+
+def _cold_block(system: System, plan: Plan, make: Callable[[Row], Made], numbers: range) -> list[Made]:
+    """Return what is made of the rows of a block of a cold sweep."""
+    values = plan.values("cold", numbers)
+    points = [plan.point(system, value) for value in values]
+    rows = _rows(system, "cold", values, points, answers(system.train, points))
+    return [make(row) for row in rows]
+
+
+def _chain(
+    system: System,
+    plan: Plan,
+    way: Way,
+    make: Callable[[Row], Made],
+    by: Workers,
+    begin: int,
+    state: Sequence[float] | Array | None,
+) -> Generator[Made, None, None]:
+    work = partial(_chain_block, system, plan, way, make)
+    reached = None if state is None else np.array(state, dtype=float)
+    for numbers in ranges(begin, plan.points, by.segment):
+        with closing(by.compute(work, [(numbers, reached)])) as found:
+            made, reached = next(found)
+        yield from made
+
+
+def _chain_block(
+    system: System, plan: Plan, way: Way, make: Callable[[Row], Made], block: tuple[range, Array | None]
+) -> tuple[list[Made], Array | None]:
+    """Return what is made of the rows of a block that starts at a state, and the state it ends at."""
+    numbers, state = block
+    values = plan.values(way, numbers)
+    points = [plan.point(system, value) for value in values]
+    started = [replace(points[0], state=state), *points[1:]]
+    rows = list(_rows(system, way, values, points, follow(system.train, started)))
+    return [make(row) for row in rows], rows[-1].state
 
 
 def _rows(
-    system: System, way: Way, values: Iterable[float], asked: Iterable[Point], answers: Iterable[Answer]
+    system: System, way: Way, values: Iterable[float], asked: Iterable[Point], found: Iterable[Answer]
 ) -> Generator[Row, None, None]:
     unit = system.coefficients.force_unit
-    for value, point, found in zip(values, asked, answers, strict=True):
-        regime = regime_of(found)
-        if isinstance(found, Motion):
+    for value, point, answer in zip(values, asked, found, strict=True):
+        regime = regime_of(answer)
+        if isinstance(answer, Motion):
             static = system.train.static_forces(point.load)[0]
-            yield Row(value, way, regime, MeshForce.from_window(found.forces[0], unit, static), found.section)
+            force = MeshForce.from_window(answer.forces[0], unit, static)
+            yield Row(value, way, regime, force, answer.section, None if way == "cold" else answer.state)
         else:
             yield Row(value, way, regime, None, np.empty((0, 2)))
+
+
+def _itself(row: Row) -> Row:
+    return row
 
 
 def intervals(found: Sweep, regime: Name, *, direction: Way | None = None) -> tuple[tuple[float, float], ...]:
@@ -219,10 +228,17 @@ def intervals(found: Sweep, regime: Name, *, direction: Way | None = None) -> tu
     holds: dict[float, bool] = {}
     for row in rows:
         holds[row.value] = holds.get(row.value, False) or row.regime.name == regime
-    ranges: list[tuple[float, float]] = []
-    before = False
-    for value, held in sorted(holds.items()):
+    return tuple(stretches(sorted(holds.items())))
+
+
+def stretches(judged: Iterable[tuple[float, bool]]) -> Generator[tuple[float, float], None, None]:
+    """Yield (lowest, highest) of each run of values that hold, of values with a verdict in their order, either way."""
+    run: tuple[float, float] | None = None
+    for value, held in judged:
         if held:
-            ranges = [*ranges[:-1], (ranges[-1][0], value)] if before else [*ranges, (value, value)]
-        before = held
-    return tuple(ranges)
+            run = (value, value) if run is None else (min(run[0], value), max(run[1], value))
+        elif run is not None:
+            yield run
+            run = None
+    if run is not None:
+        yield run

@@ -1,6 +1,6 @@
 """Manufacturing tolerances: the regime map of many machines drawn at random, as a probability of chaos."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass, replace
 from typing import Literal
 
@@ -10,8 +10,9 @@ from scipy.special import ndtr, ndtri
 
 from seat_gear_dynamics.gears import Gear, GearTrain, Mesh
 from seat_gear_dynamics.motion import System
-from seat_gear_dynamics.regimes.points import Diverged, regime_of
-from seat_gear_dynamics.regimes.regime_map import MapError, RegimeMap, chaos_weight, respond_on_grid
+from seat_gear_dynamics.regimes.map_nodes import MapGrid, map_weights
+from seat_gear_dynamics.regimes.regime_map import MapError, RegimeMap
+from seat_gear_dynamics.regimes.workers import Workers
 
 Array = NDArray[np.float64]
 
@@ -75,7 +76,7 @@ def with_tolerances(
     samples: int,
     seed: int | np.random.Generator,
     tolerances: Tolerances | None = None,
-    workers: int | None = None,
+    workers: Workers | int | None = None,
     progress: Callable[[int, int], None] | None = None,
 ) -> RegimeMap:
     """Return map `nominal` of `system` with the probability of chaos over `samples` machines drawn at random.
@@ -89,16 +90,25 @@ def with_tolerances(
         raise ValueError(f"Asked for {samples} samples, expected at least 1.")
     if not nominal.belongs_to(system.train):
         raise MapError("The nominal map is of another machine than the system; compute the map of this machine.")
-    generator = np.random.default_rng(seed)
-    weight = np.zeros(nominal.chaos.size)
-    for machine in range(samples):
-        train = draw(system.train, tolerances or Tolerances(), generator)
-        grid = (nominal.speeds, nominal.loads, nominal.transient, nominal.periods)
-        for node, found in enumerate(respond_on_grid(train, *grid, workers)):
-            weight[node] += chaos_weight(regime_of(found), diverged=isinstance(found, Diverged))
-            if progress is not None:
-                progress(machine * weight.size + node + 1, samples * weight.size)
+    weight, done = np.zeros(nominal.chaos.size), 0
+    grid = MapGrid(nominal.speeds, nominal.loads, nominal.transient, nominal.periods)
+    for train in machines(system.train, samples, seed, tolerances):
+        for found in map_weights(train, grid, workers=workers):
+            for each in found:
+                weight[done % weight.size] += each
+                done += 1
+                if progress is not None:
+                    progress(done, samples * weight.size)
     return nominal.with_chaos((weight / samples).reshape(nominal.chaos.shape), samples)
+
+
+def machines(
+    train: GearTrain, samples: int, seed: int | np.random.Generator, tolerances: Tolerances | None = None
+) -> Iterator[GearTrain]:
+    """Yield `samples` machines drawn one after the other within `tolerances` (default: `Tolerances()`) of `train`."""
+    generator = np.random.default_rng(seed)
+    for _ in range(samples):
+        yield draw(train, tolerances or Tolerances(), generator)
 
 
 def _deviations(generator: np.random.Generator, count: int, distribution: str) -> Array:

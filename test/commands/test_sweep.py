@@ -1,16 +1,12 @@
-"""`seat-gear sweep`: its files, its words, and what an interruption leaves of it."""
+"""`seat-gear sweep`: its files, its words and its wrong uses."""
 
 import argparse
 import csv
 import json
 import shlex
-import signal
-import subprocess
-import sys
-from collections.abc import Callable, Generator
+from collections.abc import Callable
 from importlib import import_module
 from pathlib import Path
-from time import sleep
 from typing import Any
 
 import numpy as np
@@ -19,22 +15,14 @@ import pytest
 from seat_gear_dynamics.commands import sweep
 from seat_gear_dynamics.commands.errors import CommandError
 from seat_gear_dynamics.gears import GearTrain
-from seat_gear_dynamics.regimes import MeshForce, Regime
-from seat_gear_dynamics.regimes.sweep import Row
+from seat_gear_dynamics.regimes import Regime
+from seat_gear_dynamics.regimes.sweep import Row, Sweep
+from seat_gear_dynamics.regimes.sweep_table import lines
 
 CONTRACT = "value,regime,period,lyapunov,contact_loss,force_min,force_max,force_mean,force_rms"
 Run = Callable[[str], int]
 
-# As `seat-gear` itself gives a command its parser; every line of the table is flushed as it is found.
-PROGRAM = """
-import argparse, sys
-from seat_gear_dynamics.commands import sweep
-parser = argparse.ArgumentParser()
-parser.add_argument("--system")
-parser.add_argument("--json", action="store_true")
-sweep.add_arguments(parser)
-sys.exit(sweep.run(parser.parse_args()))
-"""
+SWEEP = import_module("seat_gear_dynamics.regimes.sweep")
 
 
 def parse(words: str) -> argparse.Namespace:
@@ -64,7 +52,7 @@ SHORT = "--transient 5 --periods 48 --output f.csv"
 def test_the_table_has_the_columns_that_programs_rely_on(run: Run) -> None:
     assert run(f"--over load --start 100 --stop 300 --points 3 --frequency 0.5 {SHORT}") == 0
     head, *lines = Path("f.csv").read_text(encoding="utf-8").splitlines()
-    assert head == f"{CONTRACT},direction"
+    assert head == f"{CONTRACT},direction,lyapunov_error"
     assert [line.split(",")[0] for line in lines] == ["100.0", "200.0", "300.0"]
     for row in table():
         assert row["regime"] in ("periodic", "quasi-periodic", "chaotic", "undecided")
@@ -114,6 +102,53 @@ def test_fixed_values_are_used(run: Run, capsys: pytest.CaptureFixture[str]) -> 
     assert row["force_max"] == pytest.approx(expected.meshes["s1_s2"].max, rel=1e-9)
 
 
+def test_a_picture_of_too_many_points_leaves_values_out_in_both_directions_alike(
+    run: Run, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    drawn: list[Sweep] = []
+    files = import_module("seat_gear_dynamics.commands.sweep_files")
+    figures = import_module("seat_gear_dynamics.views.figures.bifurcation")
+    draw = figures.bifurcation_figure
+
+    def kept(found: Sweep) -> Any:
+        drawn.append(found)
+        return draw(found)
+
+    monkeypatch.setattr(files, "MOST_DRAWN", 4 * 48)  # of 10 rows of 48: every third value
+    monkeypatch.setattr(figures, "bifurcation_figure", kept)
+    run(f"--over load --start 100 --stop 300 --points 5 --direction both --plot f.png {SHORT}")
+    (found,) = drawn
+    assert [(row.direction, row.value) for row in found.rows] == [
+        ("up", 100.0),
+        ("down", 250.0),
+        ("up", 250.0),
+        ("down", 100.0),
+    ]
+    points = table("f_points.csv")
+    for row in found.rows:
+        own = [line for line in points if (line["value"], line["direction"]) == (str(row.value), row.direction)]
+        assert row.section.tolist() == [[float(line["delta"]), float(line["rate"])] for line in own]
+    assert "picture: f.png (one of 3 values)" in capsys.readouterr().out
+
+
+def test_what_is_summed_up_from_the_files_is_what_the_sweep_itself_says(
+    run: Run, train: GearTrain, capsys: pytest.CaptureFixture[str]
+) -> None:
+    from seat_gear_dynamics.motion import System
+    from seat_gear_dynamics.regimes.sweep import intervals, sweep
+
+    # A lightly damped pair beside its resonance: up and down part (test/regimes/test_sweep has the fold).
+    asked = "--over frequency --start 0.78 --stop 0.98 --points 5 --direction both --load 200 --damping 0.05"
+    run(f"{asked} --transient 100 --periods 64 --output f.csv --json")
+    printed = json.loads(capsys.readouterr().out)
+    light = train.with_mesh(0, damping_ratio=0.05).with_mesh(1, damping_ratio=0.05)
+    options: Any = {"over": "frequency", "start": 0.78, "stop": 0.98, "points": 5, "direction": "both"}
+    found = sweep(System(light).at(load=200.0), transient=100, periods=64, **options)
+    assert printed["coexisting"] == list(found.coexisting()) != []
+    assert [tuple(each) for each in printed["chaotic"]] == list(intervals(found, "chaotic"))
+    assert printed["rows"] == [row.as_dict() for row in found.rows]
+
+
 def test_the_picture_is_drawn(run: Run) -> None:
     run(f"--over load --start 100 --stop 200 --points 2 --plot f.png {SHORT}")
     assert Path("f.png").read_bytes().startswith(b"\x89PNG")
@@ -159,56 +194,9 @@ def test_impossible_values_are_one_sentence_and_leave_no_file(
 
 def test_a_diverged_row_leaves_its_fields_empty(run: Run, monkeypatch: pytest.MonkeyPatch) -> None:
     lost = Row(1.0, "cold", Regime("undecided", None, None, None, "diverged"), None, np.empty((0, 2)))
-
-    def rows(*_: object, **__: object) -> Generator[Row, None, None]:
-        yield lost
-
-    monkeypatch.setattr(import_module("seat_gear_dynamics.regimes.sweep"), "sweep_rows", rows)
+    monkeypatch.setattr(SWEEP, "sweep_each", lambda *_, **__: (line for line in [lines(lost)]))
     run(f"--over load --start 1 --stop 2 --points 2 {SHORT}")
-    assert Path("f.csv").read_text(encoding="utf-8").splitlines()[1] == "1.0,undecided,,,,,,,,cold"
-
-
-def test_an_interruption_between_rows_leaves_the_rows_before_it(run: Run, monkeypatch: pytest.MonkeyPatch) -> None:
-    force = MeshForce(1.0, 0.0, 2.0, 1.1, 0.0, 1.0)
-    closed = []
-
-    def rows(*_: object, **__: object) -> Generator[Row, None, None]:
-        try:
-            for value in (1.0, 2.0):
-                yield Row(value, "up", Regime("chaotic", None, 0.1, 0.0, ""), force, np.zeros((3, 2)))
-            raise KeyboardInterrupt
-        finally:
-            closed.append(True)
-
-    monkeypatch.setattr(import_module("seat_gear_dynamics.regimes.sweep"), "sweep_rows", rows)
-    with pytest.raises(KeyboardInterrupt):
-        run(f"--over load --start 1 --stop 9 --points 9 {SHORT}")
-    assert [row["value"] for row in table()] == ["1.0", "2.0"]
-    assert len(table("f_points.csv")) == 6
-    assert closed == [True]
-
-
-def test_ctrl_c_leaves_whole_rows_and_their_points(run: Run, tmp_path: Path) -> None:
-    words = "--over load --start 1 --stop 9999 --points 9999 --transient 0 --periods 8 --output f.csv"
-    command = [sys.executable, "-c", PROGRAM, "--system", "fixed.yaml", *words.split()]
-    process = subprocess.Popen(command, stderr=subprocess.PIPE)
-    path = tmp_path / "f.csv"
-    try:
-        while process.poll() is None and not (path.exists() and path.read_text().count("\n") > 3):
-            sleep(0.05)
-        assert process.poll() is None, process.stderr and process.stderr.read()
-        process.send_signal(signal.SIGINT)
-        process.communicate()
-    finally:
-        process.kill()
-        process.wait()
-    text = path.read_text()
-    assert text.endswith("\n")
-    rows = table()
-    assert len(rows) >= 3
-    assert all(None not in row.values() and row["direction"] == "cold" for row in rows)
-    counts = [sum(point["value"] == row["value"] for point in table("f_points.csv")) for row in rows]
-    assert set(counts) == {8}
+    assert Path("f.csv").read_text(encoding="utf-8").splitlines()[1] == "1.0,undecided,,,,,,,,cold,"
 
 
 def test_the_example_in_the_help_is_a_command_line_of_its_own(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:

@@ -1,6 +1,7 @@
 """Bifurcation sweeps: a linear train against its exact answer, a fold that is known, and the order of things."""
 
-from collections.abc import Callable
+import pickle
+from collections.abc import Callable, Generator, Iterable
 from contextlib import closing
 from dataclasses import astuple, replace
 from itertools import islice
@@ -17,7 +18,9 @@ from seat_gear_dynamics.gears import GearTrain
 from seat_gear_dynamics.gears.units import RPM
 from seat_gear_dynamics.motion import System
 from seat_gear_dynamics.regimes import MeshForce, Regime, simulate
-from seat_gear_dynamics.regimes.sweep import Row, Sweep, Way, intervals, row_count, sweep, sweep_rows
+from seat_gear_dynamics.regimes.points import bare
+from seat_gear_dynamics.regimes.sweep import Row, Sweep, intervals, stretches, sweep, sweep_each, sweep_rows
+from seat_gear_dynamics.regimes.sweep_plan import Begun, Plan, Way
 
 Array = NDArray[np.float64]
 MakeTrain = Callable[..., GearTrain]
@@ -125,13 +128,11 @@ def test_both_directions_take_turns_and_the_second_goes_down(fold: Sweep) -> Non
     assert [row.value for row in fold.rows[::2]] == sorted(row.value for row in fold.rows)[::2]
     assert [row.value for row in fold.rows[1::2]] == [row.value for row in fold.rows[::2]][::-1]
     assert fold.directions == ("up", "down")
-    assert row_count(5, "both") == len(fold.rows)
+    assert Plan("frequency", 0.78, 0.98, 5, "both").rows == len(fold.rows)
 
 
 def test_one_direction_alone_gives_the_same_rows_as_beside_the_other(light: System, fold: Sweep) -> None:
-    rows = sweep_rows(
-        light, over="frequency", start=0.78, stop=0.98, points=5, direction="down", transient=200, periods=64
-    )
+    rows = sweep_rows(light, Plan("frequency", 0.78, 0.98, 5, "down", 200, 64))
     with closing(rows):
         for row, expected in zip(islice(rows, 2), fold.along("down")[::-1], strict=False):
             assert row.as_dict() == expected.as_dict()
@@ -153,6 +154,7 @@ def test_a_row_of_the_fold_keeps_its_numbers(fold: Sweep) -> None:
         "force_mean",
         "force_rms",
         "direction",
+        "lyapunov_error",
     ]
     # Golden: of the train of fixed parameters, as first found. On a stable motion rounding dies out; 1e-6 leaves room
     # for another machine's.
@@ -192,7 +194,7 @@ def test_a_cold_row_is_what_simulate_gives_there(light: System) -> None:
 def test_every_quantity_means_what_simulate_means_by_it(
     light: System, over: Any, value: float, same: dict[str, float]
 ) -> None:
-    with closing(sweep_rows(light, over=over, start=value, stop=value + 1, points=2, transient=0, periods=4)) as rows:
+    with closing(sweep_rows(light, Plan(over, value, value + 1, 2, transient=0, periods=4))) as rows:
         row = next(rows)
     expected = simulate(light, transient=0, periods=4, **same)
     assert row.value == value
@@ -208,9 +210,7 @@ def test_rows_do_not_depend_on_the_number_of_threads(light: System) -> None:
 
 @pytest.mark.parametrize("direction", ["up", "both", "cold"])
 def test_rows_stream_before_the_sweep_is_done(light: System, direction: Any) -> None:
-    rows = sweep_rows(
-        light, over="load", start=1, stop=1000, points=1000, direction=direction, transient=0, periods=1, workers=1
-    )
+    rows = sweep_rows(light, Plan("load", 1, 1000, 1000, direction, 0, 1), workers=1)
     with closing(rows):
         told = [next(rows).value for _ in range(2)]
     assert told == {"up": [1.0, 2.0], "both": [1.0, 1000.0], "cold": [1.0, 2.0]}[direction]
@@ -253,15 +253,101 @@ def test_impossible_sweeps_are_refused_before_anything_runs(
 ) -> None:
     asked: Any = {"over": "frequency", "start": 0.5, "stop": 1.0, "points": 3} | change
     with pytest.raises(ValueError, match=sentence):
-        sweep_rows(light, **asked)
+        sweep_rows(light, Plan(**asked))
 
 
 def test_a_system_at_standstill_can_be_swept_over_its_speed_alone(light: System) -> None:
     still = light.at(frequency=0.0)
     with pytest.raises(ValueError, match="frequency is 0"):
-        sweep_rows(still, over="load", start=1, stop=2, points=2)
+        sweep_rows(still, Plan("load", 1, 2, 2))
     found = sweep(still, over="frequency", start=0.5, stop=0.6, points=2, transient=0, periods=1)
     assert all(row.force is not None for row in found.rows)
+
+
+@given(st.floats(-1e6, 1e6), st.floats(1e-6, 1e6), st.integers(2, 200), st.integers(0, 199), st.integers(1, 50))
+def test_values_in_blocks_are_those_of_linspace(
+    start: float, width: float, points: int, first: int, length: int
+) -> None:
+    plan = Plan("load", start, start + width, points)
+    numbers = range(first % points, min(first % points + length, points))
+    expected = np.linspace(start, start + width, points).tolist()
+    assert plan.values("up", numbers) == plan.values("cold", numbers) == expected[numbers.start : numbers.stop]
+    assert plan.values("down", numbers) == expected[::-1][numbers.start : numbers.stop]
+
+
+def test_values_of_a_study_that_does_not_fit_into_memory_are_known_block_by_block() -> None:
+    plan = Plan("load", 0.0, 1.0, 10**12 + 1)
+    assert plan.values("up", range(5 * 10**11, 5 * 10**11 + 2)) == [0.5, 0.5 + 1e-12]
+    assert plan.values("up", range(10**12, 10**12 + 1)) == [1.0]
+
+
+def numbers_of(row: Row) -> tuple[object, ...]:
+    return row.as_dict(), row.section.tolist(), None if row.state is None else row.state.tolist()
+
+
+@pytest.mark.parametrize("direction", ["up", "down", "both", "cold"])
+def test_a_sweep_goes_on_behind_any_row_with_the_rows_it_would_have_had(light: System, direction: Any) -> None:
+    plan = Plan("load", 50, 350, 4, direction, 3, 48)
+    whole = list(sweep_rows(light, plan))
+    expected = [numbers_of(row) for row in whole]
+    for done in range(plan.rows):
+        states = {row.direction: row.state for row in whole[:done]}
+        # As it comes back from a file: a list.
+        kept = {way: None if state is None else state.tolist() for way, state in states.items()}
+        rest = [numbers_of(row) for row in sweep_rows(light, plan, begun=Begun(done, kept))]
+        assert rest == expected[done:]
+
+
+def test_a_row_says_where_the_next_value_starts_and_nothing_after_a_divergence(conservative: GearTrain) -> None:
+    system = System(conservative).at(frequency=0.5, load=600.0)
+    first, last = sweep_rows(system, Plan("load", 600, 1e16, 2, "up", 0, 48))
+    assert first.state is not None
+    assert first.state.shape == (24,)
+    assert last.state is None
+    cold, _ = sweep_rows(system, Plan("load", 600, 700, 2, transient=0, periods=48))
+    assert cold.state is None
+
+
+class Shuffled:
+    """Workers that cut and order their work otherwise than threads do, and pickle all of it on the way."""
+
+    def __init__(self, length: int) -> None:
+        self.segment, self._length = length, length
+
+    def share(self, points: int) -> int:
+        return self._length
+
+    def compute(self, work: Callable[[Any], Any], blocks: Iterable[Any]) -> Generator[Any, None, None]:
+        asked = [pickle.dumps((work, block)) for block in blocks]
+        found = {}
+        for number in reversed(range(len(asked))):
+            task, block = pickle.loads(asked[number])
+            found[number] = pickle.dumps(task(block))
+        yield from (pickle.loads(found[number]) for number in range(len(asked)))
+
+
+@pytest.mark.parametrize("direction", ["both", "cold"])
+@pytest.mark.parametrize("length", [1, 3, 100])
+def test_rows_do_not_depend_on_who_computes_them_in_what_blocks(light: System, direction: Any, length: int) -> None:
+    plan = Plan("load", 50, 350, 5, direction, 3, 48)
+    found = [numbers_of(row) for row in sweep_rows(light, plan, workers=Shuffled(length))]
+    assert found == [numbers_of(row) for row in sweep_rows(light, plan)]
+
+
+def test_what_is_made_of_a_row_is_made_where_the_row_is(light: System) -> None:
+    plan = Plan("load", 50, 350, 5, transient=0, periods=48)
+    found = list(sweep_each(light, plan, value_of, workers=Shuffled(2)))
+    assert found == plan.values("cold", range(5))
+
+
+def value_of(row: Row) -> float:
+    return row.value
+
+
+def test_what_travels_is_lean(light: System) -> None:
+    # The train's text and its tooth stiffness curves, which a worker computes as quickly as it would unpack them.
+    assert len(pickle.dumps(bare(light.train))) < len(light.train.text)
+    assert bare(light.train).meshes[0].stiffness == light.train.meshes[0].stiffness
 
 
 def made(names: list[str], way: Way = "up", section: Array | None = None) -> list[Row]:
@@ -278,6 +364,13 @@ def test_intervals_are_runs_of_neighbouring_values() -> None:
     assert intervals(found, "chaotic") == ((0.0, 1.0), (3.0, 3.0))
     assert intervals(found, "periodic") == ((2.0, 2.0),)
     assert intervals(found, "quasi-periodic") == ()
+
+
+def test_stretches_are_the_same_whichever_way_the_values_come() -> None:
+    judged = [(1.0, True), (2.0, True), (3.0, False), (4.0, True)]
+    assert list(stretches(judged)) == [(1.0, 2.0), (4.0, 4.0)]
+    assert list(stretches(judged[::-1])) == [(4.0, 4.0), (1.0, 2.0)]
+    assert list(stretches([])) == []
 
 
 def test_intervals_of_both_directions_are_where_either_is_so() -> None:

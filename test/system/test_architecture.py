@@ -63,6 +63,13 @@ def test_the_core_imports_no_ros_and_reads_no_clock(room: str) -> None:
         assert not forbidden & {name.split(".")[0] for name in imported(path)}, path
 
 
+def test_dask_is_known_in_one_room() -> None:
+    for room in ROOMS:
+        for path in modules(room):
+            known = {name.split(".")[0] for name in imported(path)} & {"dask", "distributed"}
+            assert not known or room == "cluster", f"{path} imports {known}"
+
+
 def test_every_module_says_in_one_sentence_what_it_is() -> None:
     for path in PACKAGE.rglob("*.py"):
         text = ast.get_docstring(ast.parse(path.read_text()))
