@@ -27,9 +27,9 @@ from mcap.records import (
 )
 from mcap.writer import MCAP0_MAGIC
 
-_MESSAGE = struct.Struct("<BQHIQQ")  # opcode, length, channel, sequence, log time, publish time; the data follows
-_MESSAGE_FIELDS = 22  # bytes of a message's body before its data
-_INDEX = struct.Struct("<BQHI")  # opcode, length, channel, bytes of entries; the entries follow
+from seat_gear_dynamics.logs.batch import Batch, Integers
+from seat_gear_dynamics.logs.chunk_body import ChunkBody
+
 _CHUNK = struct.Struct("<QQQI")  # first and last log time, bytes unpacked, checksum
 _FRAME = struct.Struct("<BQ")
 _REPEAT = 32
@@ -66,9 +66,8 @@ class ChunkWriter:
         self._chunks: list[ChunkIndex] = []
         self._metadata: list[MetadataIndex] = []
         self._counts: dict[int, int] = {}
-        self._body = bytearray()
+        self._body = ChunkBody()
         self._full = chunk_size  # bytes of the chunk in progress at which it is closed
-        self._entries: dict[int, list[int]] = {}  # channel -> log time, offset, log time, offset …
 
     def start(self, profile: str, library: str) -> None:
         """Write the magic bytes and the header."""
@@ -78,7 +77,7 @@ class ChunkWriter:
         """Declare a message type and return its number."""
         schema = Schema(id=len(self._schemas) + 1, data=data, encoding=encoding, name=name)
         self._schemas.append(schema)
-        self._body += _record(schema)
+        self._body.append(_record(schema))
         return int(schema.id)
 
     def add_channel(self, topic: str, encoding: str, schema: int, metadata: Mapping[str, str]) -> int:
@@ -86,7 +85,7 @@ class ChunkWriter:
         number = len(self._channels) + 1
         channel = Channel(id=number, topic=topic, message_encoding=encoding, schema_id=schema, metadata=dict(metadata))
         self._channels.append(channel)
-        self._body += _record(channel)
+        self._body.append(_record(channel))
         return number
 
     def add_metadata(self, name: str, data: Mapping[str, str]) -> None:
@@ -98,37 +97,44 @@ class ChunkWriter:
 
     def add_message(self, channel: int, log_ns: int, data: bytes, publish_ns: int, sequence: int) -> bool:
         """Append a message to the chunk in progress; return whether that closed the chunk."""
-        body = self._body
-        if not self._entries:
+        if not self._body.count:
             self._begin_chunk()
-        entry = self._entries.get(channel)
-        if entry is None:
-            self._entries[channel] = [log_ns, len(body)]
-        else:
-            entry += (log_ns, len(body))
-        body += _MESSAGE.pack(5, _MESSAGE_FIELDS + len(data), channel, sequence, log_ns, publish_ns)
-        body += data
-        if len(body) > self._full:
-            self.flush()
-            return True
-        return False
+        self._body.add(channel, log_ns, data, publish_ns, sequence)
+        return self._close_if_full()
+
+    def add_batch(
+        self, batch: Batch, begin: int, end: int, channels: Integers, sequences: Integers
+    ) -> tuple[int, bool]:
+        """Append messages from `begin` to `end`, or until the chunk closes; return the next place, and whether it did.
+
+        `channels` and `sequences` as in `ChunkBody.add_batch`.
+        """
+        if not self._body.count:
+            self._begin_chunk()
+        place = self._body.add_batch(batch, begin, end, self._full, channels, sequences)
+        return place, self._close_if_full()
+
+    def _close_if_full(self) -> bool:
+        if self._body.size <= self._full:
+            return False
+        self.flush()
+        return True
 
     def flush(self) -> None:
         """Close the chunk in progress and hand it to the file, with its message index, in one write."""
-        if not self._entries:
+        body = self._body
+        if not body.count:
             return
-        body, entries = bytes(self._body), self._entries
-        self._body, self._entries = bytearray(), {}
-        packed, name = self._pack(body), self._compression.encode()
-        start = min(min(entry[::2]) for entry in entries.values())
-        end = max(max(entry[::2]) for entry in entries.values())
-        fields = _CHUNK.pack(start, end, len(body), zlib.crc32(body)) + struct.pack("<I", len(name)) + name
+        content, (start, end) = body.content(), body.span()
+        packed, name = self._pack(content), self._compression.encode()
+        fields = _CHUNK.pack(start, end, len(content), zlib.crc32(content)) + struct.pack("<I", len(name)) + name
         chunk = _FRAME.pack(Opcode.CHUNK, len(fields) + 8 + len(packed)) + fields + struct.pack("<Q", len(packed))
         offset, length = self._file.tell(), len(chunk) + len(packed)
-        offsets, indexes = _message_indexes(entries, offset + length)
+        counts, offsets, indexes = body.indexes(offset + length)
+        body.clear()  # before the file can refuse: a chunk that failed is gone
         self._file.write(b"".join((chunk, packed, indexes)))
-        for channel, entry in entries.items():
-            self._counts[channel] = self._counts.get(channel, 0) + len(entry) // 2
+        for channel, count in counts.items():
+            self._counts[channel] = self._counts.get(channel, 0) + count
         self._chunks.append(
             ChunkIndex(
                 chunk_length=length,
@@ -139,7 +145,7 @@ class ChunkWriter:
                 message_index_length=len(indexes),
                 message_index_offsets=offsets,
                 message_start_time=start,
-                uncompressed_size=len(body),
+                uncompressed_size=len(content),
             )
         )
 
@@ -163,8 +169,9 @@ class ChunkWriter:
 
     def _begin_chunk(self) -> None:
         if len(self._chunks) % _REPEAT == 1:
-            self._body[:] = b"".join(map(_record, (*self._schemas, *self._channels)))
-        self._full = len(self._body) + self._chunk_size
+            self._body.clear()
+            self._body.append(b"".join(map(_record, (*self._schemas, *self._channels))))
+        self._full = self._body.size + self._chunk_size
 
     def _statistics(self) -> Statistics:
         return Statistics(
@@ -178,18 +185,6 @@ class ChunkWriter:
             message_end_time=max((chunk.message_end_time for chunk in self._chunks), default=0),
             schema_count=len(self._schemas),
         )
-
-
-def _message_indexes(entries: Mapping[int, list[int]], begin: int) -> tuple[dict[int, int], bytes]:
-    """Return where each channel's index will stand in a file whose next byte is `begin`, and the records."""
-    offsets: dict[int, int] = {}
-    records = bytearray()
-    for channel, entry in entries.items():
-        offsets[channel] = begin + len(records)
-        size = 8 * len(entry)
-        records += _INDEX.pack(Opcode.MESSAGE_INDEX, 6 + size, channel, size)
-        records += struct.pack(f"<{len(entry)}Q", *entry)
-    return offsets, bytes(records)
 
 
 class _Record(Protocol):

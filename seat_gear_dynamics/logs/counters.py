@@ -40,9 +40,12 @@ class Account:
         """The counts for people."""
         return Counters(self.received, self._written, self._dropped)
 
-    def accept(self, data: bytes, publish_ns: int, sequence: int) -> None:
-        """Note a message that the file has taken, though not yet to the disk."""
-        self._accepted += 1
+    def accept(self, count: int) -> None:
+        """Note messages that the file has taken, though not yet to the disk; each goes through `latch` too."""
+        self._accepted += count
+
+    def latch(self, data: bytes, publish_ns: int, sequence: int) -> None:
+        """Keep a message for late subscribers, if the topic is one that keeps any."""
         if self.latched is not None:
             self.latched.append((data, publish_ns, sequence))
 

@@ -5,6 +5,9 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass, fields
 
+import numpy as np
+
+from seat_gear_dynamics.logs.batch import Integers
 from seat_gear_dynamics.logs.errors import LogError
 
 NANOSECONDS = 1_000_000_000
@@ -38,6 +41,26 @@ class Limits:
         if self.max_duration_s is None or start_ns is None:
             return False
         return now_ns - start_ns >= self.max_duration_s * NANOSECONDS
+
+    def run(self, log_ns: Integers, last_ns: int | None, size: int, start_ns: int | None) -> int:
+        """Return how many messages can be written before the limits have to be asked again; at least one.
+
+        `log_ns` are the messages' log times, `last_ns` that of the last sync (None before one), `size` and `start_ns`
+        those of the present file. A sync is due behind the last of the run at the earliest, a new file before its
+        successor; the size is one that only a closed chunk changes.
+        """
+        if self.file_full(size, None, 0):
+            return 1  # a new file that its declarations alone fill
+        last = int(log_ns[0]) if last_ns is None else last_ns
+        due = np.flatnonzero(np.abs(log_ns - last) >= self.sync_interval_s * NANOSECONDS)
+        run = int(due[0]) + 1 if len(due) else len(log_ns)
+        if self.max_duration_s is not None:
+            first = np.minimum.accumulate(log_ns)
+            if start_ns is not None:
+                first = np.minimum(first, start_ns)
+            old = np.flatnonzero(log_ns[1:] - first[:-1] >= self.max_duration_s * NANOSECONDS)
+            run = min(run, int(old[0]) + 1) if len(old) else run
+        return run
 
     def surplus(self, sizes: Sequence[int]) -> int:
         """Return how many of a bag's files to let go, the oldest first, before another one is begun.

@@ -7,6 +7,7 @@ from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import Literal
 
+from seat_gear_dynamics.logs.batch import Batch
 from seat_gear_dynamics.logs.counters import Counters
 from seat_gear_dynamics.logs.errors import LogError
 from seat_gear_dynamics.logs.schemas import schema
@@ -48,6 +49,9 @@ class Recording:
         self.received: Counter[str] = Counter()
         self.not_recorded: Counter[str] = Counter()
         """Messages that came while stopped, paused or failed, or before the clock ran, per topic."""
+        self.lost: Counter[str] = Counter()
+        """Messages that were overwritten before they could be received, per topic."""
+        self.datagrams = 0
         self.space: Space | None = None
         self.snapshots: list[Path] = []
         self._make_writer = make_writer
@@ -58,6 +62,7 @@ class Recording:
         self._writer: BagWriter | None = None
         self._stopped_because: str | None = None
         self._past: dict[str, Counters] = {}
+        self._lost_here: Counter[str] = Counter()
         self._runs = self._tried = 0
         for name, (kind, qos) in topics.items():
             self.add_topic(name, kind, qos)
@@ -110,13 +115,49 @@ class Recording:
                 raise
         else:
             self.not_recorded[topic] += 1
-        if topic == self._trigger_topic and self._trigger is not None and len(data) > _LEVEL:
-            self._trigger.update(data[_LEVEL], log_ns)
+        if topic == self._trigger_topic:
+            self._warned(data, log_ns)
 
-    def ignore(self, topic: str) -> None:
-        """Count a message that cannot be recorded because its time is not known."""
-        self.received[topic] += 1
-        self.not_recorded[topic] += 1
+    def receive_batch(self, batch: Batch) -> None:
+        """Take messages as `receive` would one after the other; raises LogError once when the disk refuses them."""
+        if not len(batch):
+            return
+        counts = batch.counts()
+        self.received.update(counts)
+        self._ring.add_batch(batch)
+        for kept in batch.of(frozenset((self._trigger_topic,))):
+            self._warned(kept.data, kept.log_ns)
+        if self.state != "recording" or self._writer is None:
+            self.not_recorded.update(counts)
+            return
+        with _Failing(self):
+            self._writer.write_batch(batch)
+
+    def _warned(self, status: bytes, log_ns: int) -> None:
+        if self._trigger is not None and len(status) > _LEVEL:
+            self._trigger.update(status[_LEVEL], log_ns)
+
+    def ignore(self, topic: str, count: int = 1) -> None:
+        """Count messages that cannot be recorded because their time is not known."""
+        self.received[topic] += count
+        self.not_recorded[topic] += count
+
+    def note_lost(self, totals: Mapping[str, int], datagrams: int = 0) -> dict[str, int]:
+        """Take how many messages of each topic were lost so far before they could be received; return what is new.
+
+        `datagrams` are those that the system dropped so far, of whatever topic. What is lost while recording stands
+        in the bag as `lost unread of TOPIC` and `datagrams dropped by the system`.
+        """
+        news = {name: total - self.lost[name] for name, total in totals.items() if total > self.lost[name]}
+        here = {f"lost unread of {name}": count for name, count in news.items()}
+        if datagrams > self.datagrams:
+            here["datagrams dropped by the system"] = datagrams - self.datagrams
+        self.lost.update(news)
+        self.datagrams = max(datagrams, self.datagrams)
+        if self.state == "recording" and self._writer is not None:
+            self._lost_here.update(here)
+            self._writer.custom_data.update({key: str(self._lost_here[key]) for key in here})
+        return news
 
     def start(self) -> Path:
         """Begin a bag and return its directory."""
@@ -133,6 +174,7 @@ class Recording:
             n: c for n, c in self._past.items() if n not in self.counters
         }
         self._writer, self._stopped_because = writer, None
+        self._lost_here.clear()
         self.state = "recording"
         return directory
 
@@ -163,17 +205,21 @@ class Recording:
 
     def snapshot(self, why: str = "asked for") -> tuple[Path, int]:
         """Write the ring to a bag of its own; return its directory and how many messages it holds."""
-        messages = self._ring.messages()
-        if not messages:
+        parts = self._ring.parts()
+        if not parts:
             raise LogError("There is nothing to snapshot: no message has come yet. Wait for one.")
         self._tried += 1
         directory = self._named("snapshot", self._tried)
         with self._open(directory) as writer:
             writer.custom_data["snapshot"] = why
-            for kept in messages:
-                writer.write(*kept)
+            for part in parts:
+                if isinstance(part, Batch):
+                    writer.write_batch(part)
+                else:
+                    writer.write(*part)
+            count = sum(counters.received for counters in writer.counters.values())
         self.snapshots.append(directory)
-        return directory, len(messages)
+        return directory, count
 
     def take_due_snapshot(self, now_ns: int, *, ending: bool = False) -> Path | None:
         """Write the snapshot of a warning that began, if one is due (at the recorder's end: waits) and return it."""

@@ -2,14 +2,17 @@
 
 from __future__ import annotations
 
+import errno
 import struct
 from collections.abc import Mapping
 from contextlib import suppress
 from pathlib import Path
 
+import numpy as np
 from mcap.opcode import Opcode
 from mcap.writer import MCAP0_MAGIC
 
+from seat_gear_dynamics.logs.batch import Batch, Integers
 from seat_gear_dynamics.logs.chunks import ChunkWriter
 from seat_gear_dynamics.logs.disk import DurableFile
 from seat_gear_dynamics.logs.metadata import FileRecord, TopicRecord, offered_qos
@@ -22,6 +25,11 @@ def _ending() -> bytes:
     data_end = struct.pack("<BQI", Opcode.DATA_END, 4, 0)
     footer = struct.pack("<BQQQI", Opcode.FOOTER, 20, 0, 0, 0)
     return data_end + footer + MCAP0_MAGIC
+
+
+def size_of(path: Path) -> int:
+    """Return the bytes of a finished file, 0 for one that is not there."""
+    return path.stat().st_size if path.exists() else 0
 
 
 class Segment:
@@ -71,10 +79,10 @@ class Segment:
         """Whether at least the file's beginning is durable, so that it can be opened."""
         return self._durable_size > 0
 
-    @property
-    def removed(self) -> bool:
-        """Whether somebody has deleted the file."""
-        return self._file.removed
+    def check_present(self) -> None:
+        """Raise `FileNotFoundError` when somebody has deleted the file."""
+        if self._file.removed:
+            raise FileNotFoundError(errno.ENOENT, "the file has been deleted", str(self.path))
 
     def record(self) -> FileRecord:
         """Describe everything handed over so far, durable or not."""
@@ -108,6 +116,22 @@ class Segment:
             self._end = log_ns
         if closed:
             self._file.seal(self._ENDING)
+
+    def write_batch(self, batch: Batch, begin: int, end: int, sequences: Integers) -> int:
+        """Append messages of declared topics from `begin` to `end`, or until a chunk closes; return the next place.
+
+        `sequences` has the next sequence number of each of the batch's names, and goes on counting in place.
+        """
+        channels = np.array([self._channels[name] for name in batch.names], np.int64)
+        place, closed = self._records.add_batch(batch, begin, end, channels, sequences)
+        for name, count in batch.part(slice(begin, place)).counts().items():
+            self._counts[name] = self._counts.get(name, 0) + count
+        first, last = int(batch.log_ns[begin:place].min()), int(batch.log_ns[begin:place].max())
+        self._start = first if self._start is None else min(self._start, first)
+        self._end = last if self._end is None else max(self._end, last)
+        if closed:
+            self._file.seal(self._ENDING)
+        return place
 
     def sync(self) -> None:
         """Close the chunk in progress and return when all of it is on the disk under a valid ending."""

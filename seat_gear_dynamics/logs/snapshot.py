@@ -3,18 +3,13 @@
 from __future__ import annotations
 
 from collections import deque
-from typing import NamedTuple
+
+import numpy as np
+
+from seat_gear_dynamics.logs.batch import Batch, Kept
 
 _OVERHEAD = 300  # bytes that a kept message costs beside its data
-
-
-class Kept(NamedTuple):
-    """A message in the ring: absolute topic, CDR bytes, log and publish time, ns."""
-
-    topic: str
-    data: bytes
-    log_ns: int
-    publish_ns: int
+_SHARE = 40  # the same in a batch: five numbers
 
 
 class Ring:
@@ -27,12 +22,13 @@ class Ring:
     def __init__(self, seconds: float, max_bytes: int) -> None:
         self._span_ns = int(seconds * 1e9)
         self._max_bytes = max_bytes
-        self._kept: deque[Kept] = deque()
-        self._bytes = 0
+        self._kept: deque[Kept | Batch] = deque()
+        self._bytes = self._count = 0
+        self._oldest = self._highest = 0  # log time of the first; none in the ring is later
         self._latched: dict[str, Kept | None] = {}
 
     def __len__(self) -> int:
-        return len(self._kept)
+        return self._count
 
     def latch(self, topic: str) -> None:
         """Keep the last message of `topic` however old: a late subscriber would be sent it too."""
@@ -40,23 +36,98 @@ class Ring:
 
     def add(self, topic: str, data: bytes, log_ns: int, publish_ns: int) -> None:
         """Take a message and let go what is too old or too much."""
-        self._kept.append(Kept(topic, data, log_ns, publish_ns))
+        self._append(Kept(topic, data, log_ns, publish_ns), log_ns)
+        self._count += 1
         self._bytes += len(data) + _OVERHEAD
-        while abs(log_ns - self._kept[0].log_ns) > self._span_ns or self._bytes > self._max_bytes:
-            gone = self._kept.popleft()
-            self._bytes -= len(gone.data) + _OVERHEAD
-            if gone.topic in self._latched:
-                self._latched[gone.topic] = gone
-            if not self._kept:
-                break
+        self._trim(log_ns)
 
-    def messages(self) -> list[Kept]:
-        """Return latched messages older than the ring, at the log time of its first one, and then the ring."""
+    def add_batch(self, batch: Batch) -> None:
+        """Take messages, at least one, and let go what is too old or too much."""
+        first_ns, last_ns = int(batch.log_ns[0]), int(batch.log_ns[-1])
+        if (self._kept and self._highest - first_ns > self._span_ns) or np.any(np.diff(batch.log_ns) < 0):
+            # A step back lets go what the last message alone would not show.
+            for kept in batch:
+                self.add(*kept)
+            self._highest = max((_latest(part) for part in self._kept), default=0)
+            return
+        self._append(batch, first_ns)
+        self._highest = max(self._highest, last_ns)
+        self._count += len(batch)
+        self._bytes += _weight(batch)
+        self._trim(last_ns)
+
+    def _append(self, part: Kept | Batch, first_ns: int) -> None:
+        if not self._kept:
+            self._oldest = first_ns
+        if first_ns > self._highest:
+            self._highest = first_ns
+        self._kept.append(part)
+
+    def _trim(self, newest_ns: int) -> None:
+        while self._kept and (self._bytes > self._max_bytes or abs(newest_ns - self._oldest) > self._span_ns):
+            first = self._kept[0]
+            if isinstance(first, Batch):
+                self._trim_batch(first, newest_ns)
+            else:
+                self._kept.popleft()
+                self._count -= 1
+                self._bytes -= len(first.data) + _OVERHEAD
+                self._last_of(first)
+            if self._kept:
+                self._oldest = _earliest(self._kept[0])
+
+    def _trim_batch(self, first: Batch, newest_ns: int) -> None:
+        """Let go the beginning of the oldest batch, or all of it."""
+        leaving = self._leaving(first, newest_ns)
+        gone, rest = first.part(slice(0, leaving)), first.part(slice(leaving, None))
+        self._count -= leaving
+        self._bytes -= _weight(gone)
+        for kept in gone.of(frozenset(self._latched)):
+            self._last_of(kept)
+        if len(rest):
+            self._kept[0] = rest
+        else:
+            self._kept.popleft()
+
+    def _leaving(self, batch: Batch, newest_ns: int) -> int:
+        """Return how many of a batch's first messages are too old or too much."""
+        fresh = np.abs(batch.log_ns - newest_ns) <= self._span_ns
+        old = int(np.argmax(fresh)) if fresh.any() else len(batch)
+        excess = self._bytes - self._max_bytes
+        surplus = int(np.searchsorted(np.cumsum(batch.size + _SHARE), excess)) + 1 if excess > 0 else 0
+        return min(max(old, surplus), len(batch))
+
+    def _last_of(self, kept: Kept) -> None:
+        if kept.topic in self._latched:
+            self._latched[kept.topic] = kept
+
+    def parts(self) -> list[Kept | Batch]:
+        """Return latched messages older than the ring, at the log time of its first one, and then the ring.
+
+        What came in batches is given so.
+        """
         if not self._kept:
             return []
-        begin, present = self._kept[0].log_ns, {kept.topic for kept in self._kept}
+        begin = _earliest(self._kept[0])
+        present = {n for part in self._kept for n in (part.counts() if isinstance(part, Batch) else (part.topic,))}
         older = [kept for topic, kept in self._latched.items() if kept is not None and topic not in present]
         return [*(kept._replace(log_ns=begin) for kept in older), *self._kept]
+
+    def messages(self) -> list[Kept]:
+        """Return the same one by one."""
+        return [kept for part in self.parts() for kept in (part if isinstance(part, Batch) else (part,))]
+
+
+def _earliest(part: Kept | Batch) -> int:
+    return int(part.log_ns[0]) if isinstance(part, Batch) else part.log_ns
+
+
+def _latest(part: Kept | Batch) -> int:
+    return int(part.log_ns.max()) if isinstance(part, Batch) else part.log_ns
+
+
+def _weight(batch: Batch) -> int:
+    return int(batch.size.sum()) + _SHARE * len(batch)
 
 
 class EventTrigger:

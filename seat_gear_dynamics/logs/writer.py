@@ -2,24 +2,22 @@
 
 from __future__ import annotations
 
-import errno
 from contextlib import suppress
 from pathlib import Path
 from types import TracebackType
 from typing import NoReturn, Self
 
 from seat_gear_dynamics.logs import metadata
-from seat_gear_dynamics.logs.counters import Account, Counters
+from seat_gear_dynamics.logs.batch import Batch, Integers
+from seat_gear_dynamics.logs.counters import Counters
 from seat_gear_dynamics.logs.disk import replace_text, sync_folder
 from seat_gear_dynamics.logs.errors import LogError, reason
+from seat_gear_dynamics.logs.ledger import LATEST, Ledger, impossible, split_times
 from seat_gear_dynamics.logs.limits import Limits
-from seat_gear_dynamics.logs.metadata import FileRecord, TopicRecord
+from seat_gear_dynamics.logs.metadata import FileRecord
 from seat_gear_dynamics.logs.presets import DEFAULT_LEVEL, codec
-from seat_gear_dynamics.logs.schemas import schema
-from seat_gear_dynamics.logs.segment import Segment
+from seat_gear_dynamics.logs.segment import Segment, size_of
 from seat_gear_dynamics.logs.topics import Qos
-
-LATEST = 2**63  # log times are signed 64-bit nanoseconds in metadata.yaml
 
 
 class BagWriter:
@@ -65,12 +63,8 @@ class BagWriter:
         codec(compression, level)
         self._compression, self._level = compression, level
         self._library = f"seat_gear_dynamics {software_version}"
-        self._provenance = {
-            "system": system_text,
-            "system_hash": system_hash,
-            "software_version": software_version,
-        }
-        self._topics: dict[str, Account] = {}
+        self._provenance = {"system": system_text, "system_hash": system_hash, "software_version": software_version}
+        self._topics = Ledger()
         self._files: list[FileRecord] = []  # the finished ones, except those let go
         self._begun = self._let_go = 0
         self._segment: Segment | None = None
@@ -93,26 +87,15 @@ class BagWriter:
     @property
     def counters(self) -> dict[str, Counters]:
         """Per topic: received, written, dropped."""
-        return {name: account.counters for name, account in self._topics.items()}
+        return self._topics.counters
 
     def add_topic(self, name: str, type: str, qos: Qos | None = None) -> None:
         """Declare the absolute topic `name` of the full type `type`; the same declaration twice is one.
 
         Raises `LogError` for a relative name, an unknown type, or a second type for the same name.
         """
-        if not name.startswith("/"):
-            raise LogError(f"The topic {name!r} is relative; a log needs the resolved name, such as '/{name}'.")
-        known = self._topics.get(name)
-        if known is not None:
-            if known.record.type != type:
-                raise LogError(
-                    f"The topic {name} is already logged as {known.record.type}, not {type}; "
-                    f"stop the publisher that uses the wrong type, or record it under another name."
-                )
-            return
-        record = TopicRecord(name, type, schema(type).hash, (qos or Qos(),))
-        self._topics[name] = Account(record)
-        if self._segment is not None:
+        record = self._topics.add(name, type, qos or Qos())
+        if record is not None and self._segment is not None:
             try:
                 self._segment.add_channel(record)
             except OSError as cause:
@@ -125,32 +108,72 @@ class BagWriter:
         decrease, but may. Raises `LogError` for an undeclared topic or an impossible time (nothing is
         counted then), and once when the disk refuses.
         """
-        known = self._topics.get(topic)
-        if known is None:
-            raise LogError(f"The topic {topic!r} is not declared in this log; call add_topic first.")
+        known = self._topics[topic]
         if not (0 <= log_time_ns < LATEST and 0 <= publish_time_ns < LATEST):
-            raise LogError(
-                f"A message on {topic} has log time {log_time_ns} ns and publish time {publish_time_ns} ns; "
-                f"both must lie from 0 to 2^63-1. Check the clock."
-            )
+            raise impossible(topic, log_time_ns, publish_time_ns)
         sequence = known.received & 0xFFFFFFFF
         known.received += 1
         if self._segment is None:
             known.drop_pending()
             return False
         try:
-            if self._news and self._limits.file_full(self._segment.size, self._segment.start_ns, log_time_ns):
-                self._segment = self._split(log_time_ns)
-            self._segment.write(topic, cdr_bytes, log_time_ns, publish_time_ns, sequence)
-            known.accept(cdr_bytes, publish_time_ns, sequence)
-            self._news = self._unsynced = True
-            if self._last_sync is None:
-                self._last_sync = log_time_ns
-            elif self._limits.sync_due(self._last_sync, log_time_ns):
-                self._sync(log_time_ns)
+            segment = self._split_if_full(self._segment, log_time_ns)
+            segment.write(topic, cdr_bytes, log_time_ns, publish_time_ns, sequence)
+            known.accept(1)
+            known.latch(cdr_bytes, publish_time_ns, sequence)
+            self._written(log_time_ns, log_time_ns)
         except OSError as cause:
             self._fail(cause)
         return True
+
+    def write_batch(self, batch: Batch) -> bool:
+        """Append messages as `write` would one after the other, in a fraction of the time; return and errors as there.
+
+        One with an impossible time is left out, and named by the `LogError` after the others are written.
+        """
+        sound, wrong = split_times(batch)
+        if wrong is not None:
+            self.write_batch(sound)
+            raise impossible(*wrong)
+        before = self._topics.numbers(batch)
+        if self._segment is None:
+            self._topics.receive(batch)
+            self._topics.drop_pending()
+            return False
+        place, numbers = 0, before.copy()
+        try:
+            while place < len(batch):
+                place = self._write_run(batch, place, numbers)
+        except OSError as cause:
+            self._topics.receive_rest(batch, before)
+            self._fail(cause)
+        return True
+
+    def _write_run(self, batch: Batch, begin: int, numbers: Integers) -> int:
+        """Append messages from `begin` on while no limit is met; return the next place."""
+        assert self._segment is not None
+        first, before = int(batch.log_ns[begin]), numbers.copy()
+        self._topics.receive(batch.part(slice(begin, begin + 1)))
+        segment = self._split_if_full(self._segment, first)
+        end = begin + self._limits.run(batch.log_ns[begin:], self._last_sync, segment.size, segment.start_ns)
+        place = segment.write_batch(batch, begin, end, numbers)
+        self._topics.receive(batch.part(slice(begin + 1, place)))
+        self._topics.accept(batch.part(slice(begin, place)), before)
+        self._written(first, int(batch.log_ns[place - 1]))
+        return place
+
+    def _split_if_full(self, segment: Segment, log_ns: int) -> Segment:
+        if self._news and self._limits.file_full(segment.size, segment.start_ns, log_ns):
+            self._segment = segment = self._split(log_ns)
+        return segment
+
+    def _written(self, first_ns: int, last_ns: int) -> None:
+        """Note messages handed to the file, and sync if that is due."""
+        self._news = self._unsynced = True
+        if self._last_sync is None:
+            self._last_sync = first_ns
+        if self._limits.sync_due(self._last_sync, last_ns):
+            self._sync(last_ns)
 
     def sync(self, now_ns: int) -> None:
         """Bring everything written so far to the disk; a timer calls this while topics are silent.
@@ -223,8 +246,8 @@ class BagWriter:
             library=self._library,
         )
         self._begun += 1
-        for topic in self._topics.values():
-            self._segment.add_channel(topic.record)
+        for topic in self._topics.records:
+            self._segment.add_channel(topic)
         self._segment.add_metadata(metadata.RECORD_NAME, self._provenance)
         self._add_rosbag2_record(self._segment)
         self._segment.sync()
@@ -234,11 +257,10 @@ class BagWriter:
     def _split(self, now_ns: int) -> Segment:
         self._finish()
         segment = self._open()
-        for name, topic in self._topics.items():
-            for data, publish_ns, sequence in topic.latched or ():
-                # The sequence number stays, so that a reader can tell a repetition from a new message.
-                segment.write(name, data, now_ns, publish_ns, sequence)
-                self._unsynced = True
+        for name, data, publish_ns, sequence in self._topics.latched():
+            # The sequence number stays, so that a reader can tell a repetition from a new message.
+            segment.write(name, data, now_ns, publish_ns, sequence)
+            self._unsynced = True
         surplus = self._surplus()
         self._write_metadata()
         for path in surplus:  # only now: metadata.yaml must never list what is gone
@@ -248,23 +270,18 @@ class BagWriter:
 
     def _surplus(self) -> list[Path]:
         """Strike the files that retention lets go from the bag and return their paths."""
-        sizes = [self._size_of(file) for file in self._files]
-        count = self._limits.surplus(sizes)
+        count = self._limits.surplus([size_of(self.directory / file.name) for file in self._files])
         gone, self._files = self._files[:count], self._files[count:]
         if gone:
             self._let_go += count
             self.custom_data["files let go"] = str(self._let_go)
         return [self.directory / file.name for file in gone]
 
-    def _size_of(self, file: FileRecord) -> int:
-        path = self.directory / file.name
-        return path.stat().st_size if path.exists() else 0
-
     def _finish(self) -> None:
         """Complete the present file; afterwards there is none."""
         assert self._segment is not None
         # First the data alone: if only the summary finds no room, the data is kept.
-        self._check_present(self._segment)
+        self._segment.check_present()
         self._segment.sync()
         self._settle()
         self._add_rosbag2_record(self._segment)
@@ -275,21 +292,16 @@ class BagWriter:
     def _sync(self, now_ns: int) -> None:
         assert self._segment is not None
         self._last_sync = now_ns
-        self._check_present(self._segment)
+        self._segment.check_present()
         if self._unsynced:
             self._segment.sync()
             self._settle()
             self._write_metadata()
 
-    def _check_present(self, segment: Segment) -> None:
-        if segment.removed:
-            raise FileNotFoundError(errno.ENOENT, "the file has been deleted", str(segment.path))
-
     def _settle(self) -> None:
         """Count everything handed over as written: call only when it is durable."""
         self._unsynced = False
-        for topic in self._topics.values():
-            topic.settle()
+        self._topics.settle()
 
     def _records(self) -> list[FileRecord]:
         """All files of the bag with what is durable in them."""
@@ -298,22 +310,20 @@ class BagWriter:
         return [*self._files, self._segment.durable]
 
     def _add_rosbag2_record(self, segment: Segment) -> None:
-        topics = [topic.record for topic in self._topics.values()]
-        text = metadata.serialized(topics, [*self._files, segment.durable], self._custom())
+        text = metadata.serialized(self._topics.records, [*self._files, segment.durable], self._custom())
         segment.add_metadata("rosbag2", {"serialized_metadata": text})
 
     def _write_metadata(self) -> None:
-        topics = [topic.record for topic in self._topics.values()]
-        text = metadata.document(topics, self._records(), self._custom())
+        text = metadata.document(self._topics.records, self._records(), self._custom())
         replace_text(self.directory / metadata.FILE_NAME, text)
 
     def _custom(self) -> dict[str, str]:
-        counts = {f"messages of {name}": str(account.counters) for name, account in self._topics.items()}
+        counts = {f"messages of {name}": str(counters) for name, counters in self.counters.items()}
         return {**self.custom_data, **counts}
 
     def _fail(self, cause: OSError) -> NoReturn:
         """Cut the bag back to what is durable, close it for good and raise the sentence."""
-        lost = sum(topic.drop_pending() for topic in self._topics.values())
+        lost = self._topics.drop_pending()
         self.failure = (
             f"The log {self.directory} has stopped: {reason(cause)}. {lost} messages since the last sync "
             f"are lost, and later ones are dropped. Make room or restore the folder, and start a new log."

@@ -3,12 +3,14 @@
 import shutil
 import time
 from collections.abc import Callable, Mapping, Sequence
+from dataclasses import replace
 from datetime import datetime
 from functools import partial
 from hashlib import sha256
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 from diagnostic_msgs.msg import DiagnosticArray
 from rclpy.clock import Clock, ClockType
 from rclpy.node import Node
@@ -19,6 +21,7 @@ from std_srvs.srv import Trigger
 from seat_gear_dynamics import __version__
 from seat_gear_dynamics.gears import DescriptionError, GearTrain, load_train
 from seat_gear_dynamics.logs import topics
+from seat_gear_dynamics.logs.batch import Batch
 from seat_gear_dynamics.logs.errors import LogError
 from seat_gear_dynamics.logs.presets import preset
 from seat_gear_dynamics.logs.recording import Recording
@@ -28,6 +31,8 @@ from seat_gear_dynamics.logs.writer import BagWriter
 from seat_gear_dynamics.nodes import messages
 from seat_gear_dynamics.nodes.parameters import Parameter, declare
 from seat_gear_dynamics.nodes.process import StartError, run
+from seat_gear_dynamics.nodes.recorder_datagrams import Datagrams
+from seat_gear_dynamics.nodes.recorder_intake import make_intake
 from seat_gear_dynamics.nodes.recorder_report import RecorderReport
 from seat_gear_dynamics.nodes.recorder_topics import Subscriptions, choose
 
@@ -60,6 +65,7 @@ PARAMETERS = (
 
 _THRESHOLDS = {"warn": 1, "error": 2}
 _PERIOD = 1.0  # s between two looks at the network and the disk
+_DRAIN = 2.0  # s at most for what waits in the queues when the end is asked for
 
 
 class Recorder(Node):
@@ -72,8 +78,10 @@ class Recorder(Node):
         self._recording = self._make_recording()
         get = self._settings.__getitem__
         choice = choose(self, get("topics"), get("pattern"), get("exclude"))
+        self._datagrams = Datagrams()
+        self._intake = make_intake(self, self._on_message, self._on_batch)
         self._subscriptions_kept = Subscriptions(
-            self, choice, get("queue_depth"), self._on_message, self._recording.add_topic
+            self, choice, get("queue_depth"), self._intake, self._recording.add_topic
         )
         names = {self.resolve_topic_name(topic.name): topic.name for topic in topics.TOPICS}
         self._report = RecorderReport(self._recording, self._subscriptions_kept, names)
@@ -89,7 +97,10 @@ class Recorder(Node):
         self._on_diagnostics()
 
     def close(self) -> None:
-        """Take a snapshot that waits, and finish the log."""
+        """Record what still waits in the queues, take a snapshot that waits, and finish the log."""
+        if not self._intake.drain(_DRAIN):
+            self.get_logger().warning(f"the queues could not be emptied in {_DRAIN:g} s; what is left in them is lost")
+        self._on_losses()
         self._guard(partial(self._recording.take_due_snapshot, self._now(), ending=True))
         if self._recording.state in ("recording", "paused"):
             self._guard(self._recording.stop)
@@ -195,6 +206,25 @@ class Recorder(Node):
         except LogError as error:
             self._say(error)
 
+    def _on_batch(self, batch: Batch) -> None:
+        published = np.where(batch.publish_ns > 0, batch.publish_ns, batch.log_ns)
+        self._report.heard(time.time_ns() - int(published.min()))
+        log_ns = batch.log_ns
+        if self._sim_time:
+            now = self._now()
+            if now == 0:  # as in _on_message
+                for topic, count in batch.counts().items():
+                    self._recording.ignore(topic, count)
+                return
+            log_ns = np.full(len(batch), now)
+        self._guard(partial(self._recording.receive_batch, replace(batch, log_ns=log_ns, publish_ns=published)))
+
+    def _on_losses(self) -> None:
+        news = self._recording.note_lost(self._intake.lost(), self._datagrams.dropped())
+        if news:
+            text = ", ".join(f"{count} of {topic}" for topic, count in news.items())
+            self.get_logger().warning(f"lost before they were read: {text}", throttle_duration_sec=5.0)
+
     def _on_sync(self) -> None:
         now = self._now()
         self._guard(partial(self._recording.sync, now))
@@ -207,6 +237,7 @@ class Recorder(Node):
 
     def _on_period(self) -> None:
         self._subscriptions_kept.look()
+        self._on_losses()
         self._on_space()
         self._on_diagnostics()
 

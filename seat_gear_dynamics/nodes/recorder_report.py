@@ -18,7 +18,7 @@ class RecorderReport:
     def __init__(self, recording: Recording, subscriptions: Subscriptions, names: Mapping[str, str]) -> None:
         self._recording, self._subscriptions = recording, subscriptions
         self._names = names
-        self._lag_ns = 0
+        self._lag_ns = self._lost = 0
 
     def heard(self, lag_ns: int) -> None:
         """Note that a message came this long after it had been published."""
@@ -27,21 +27,22 @@ class RecorderReport:
     def status(self, name: str) -> DiagnosticStatus:
         """Return the status since the last one: ERROR for a log that ended, WARN for what may end or thin it."""
         lag, self._lag_ns = self._lag_ns * 1e-9, 0
-        level, text = self._judge(lag)
+        lost = self._recording.lost.total()
+        fresh, self._lost = lost - self._lost, lost
+        level, text = self._judge(lag, fresh)
         return messages.status(level, name, text, {**self._values(lag), **self._counts()})
 
-    def _judge(self, lag: float) -> tuple[Level, str]:
+    def _judge(self, lag: float, lost: int) -> tuple[Level, str]:
         recording = self._recording
         if recording.state == "failed" or (recording.failure and recording.state == "stopped"):
             return Level.ERROR, recording.failure or "the log could not be begun"
         space, problems = recording.space, self._subscriptions.problems
         if space is not None and space.room != "enough":
             return Level.WARN, f"{recording.state}; the disk is nearly full: {space.text}"
+        if lost:
+            return Level.WARN, f"{recording.state}; {lost} messages were overwritten before they were read"
         if lag > _LATE:
-            return (
-                Level.WARN,
-                f"{recording.state}; {lag:.1f} s behind, messages may be overwritten before they are read",
-            )
+            return Level.WARN, f"{recording.state}; {lag:.1f} s behind"
         if problems:
             return Level.WARN, f"{recording.state}; {next(iter(problems.values()))}"
         return Level.OK, recording.state
@@ -55,6 +56,8 @@ class RecorderReport:
             "received": recording.received.total(),
             "written": sum(count.written for count in totals),
             "dropped": sum(count.dropped for count in totals),
+            "lost unread": recording.lost.total(),
+            "datagrams dropped by the system": recording.datagrams,
             "came while not recording": recording.not_recorded.total(),
             "longest wait of a message (s)": lag,
             "snapshots": len(recording.snapshots),
@@ -72,4 +75,5 @@ class RecorderReport:
             counts[f"{short} received"] = count.received
             counts[f"{short} written"] = count.written
             counts[f"{short} dropped"] = count.dropped
+            counts[f"{short} lost unread"] = self._recording.lost[name]
         return counts

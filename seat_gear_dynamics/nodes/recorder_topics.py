@@ -1,7 +1,7 @@
 """What the recorder listens to: the contract's topics, a list or patterns, followed as publishers come and go."""
 
 import re
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -13,8 +13,8 @@ from seat_gear_dynamics.logs import topics
 from seat_gear_dynamics.logs.errors import LogError
 from seat_gear_dynamics.logs.topics import Qos
 from seat_gear_dynamics.nodes.process import StartError
+from seat_gear_dynamics.nodes.recorder_intake import Intake
 
-Receive = Callable[[str, bytes, Mapping[str, int]], None]
 AddTopic = Callable[[str, str, Qos], None]
 
 _HIDDEN = re.compile(r"/(.*/)?_")
@@ -73,14 +73,13 @@ class Subscriptions:
     that all of them meet, and weaker where a weaker publisher joins.
     """
 
-    def __init__(self, node: Node, choice: Choice, depth: int, receive: Receive, add_topic: AddTopic) -> None:
+    def __init__(self, node: Node, choice: Choice, depth: int, intake: Intake, add_topic: AddTopic) -> None:
         self.problems: dict[str, str] = {}
         """Absolute topic to what keeps it, or a publisher of it, from being recorded."""
         self._node, self._choice, self._depth = node, choice, depth
-        self._receive, self._add_topic = receive, add_topic
+        self._intake, self._add_topic = intake, add_topic
         self._types: dict[str, str] = {}
         self._qos: dict[str, QoSProfile] = {}
-        self._made: dict[str, Any] = {}
         for topic in topics.TOPICS:
             name = node.resolve_topic_name(topic.name)
             excluded = choice.exclude is not None and choice.exclude.search(name)
@@ -99,23 +98,20 @@ class Subscriptions:
 
     def look(self) -> None:
         """Follow the network: new topics, weaker publishers, publishers of a wrong type."""
-        for name, types in self._node.get_topic_names_and_types():
-            if name not in self._types and self._choice.takes(name) and self._node.count_publishers(name):
-                self._discover(name, types)
+        publishers = self._intake.publishers()
+        for name, offers in publishers.items():
+            if name not in self._types and self._choice.takes(name):
+                self._discover(name, offers)
         for name in self._types:
-            self._follow(name, self._node.get_publishers_info_by_topic(name))
+            self._follow(name, publishers.get(name, ()))
 
-    def _discover(self, name: str, types: Iterable[str]) -> None:
-        kind = next(iter(self._types_offered(name)), next(iter(types)))
-        offers = [p.qos_profile for p in self._node.get_publishers_info_by_topic(name)]
+    def _discover(self, name: str, publishers: Sequence[Any]) -> None:
+        kind = publishers[0].topic_type
         try:
-            self._begin(name, kind, _stated(_strongest(offers, latched=True)))
+            self._begin(name, kind, _stated(_strongest((p.qos_profile for p in publishers), latched=True)))
             self._node.get_logger().info(f"recording {name} ({kind})")
         except (LogError, LookupError, AttributeError, ValueError, ImportError) as error:
             self._complain(name, f"{name} is not recorded: {error}")
-
-    def _types_offered(self, name: str) -> list[str]:
-        return [p.topic_type for p in self._node.get_publishers_info_by_topic(name)]
 
     def _begin(self, name: str, kind: str, qos: Qos) -> None:
         get_message(kind)
@@ -126,7 +122,7 @@ class Subscriptions:
         durability = DurabilityPolicy.TRANSIENT_LOCAL if latched else DurabilityPolicy.VOLATILE
         self._subscribe(name, QoSProfile(depth=self._depth, reliability=reliability, durability=durability))
 
-    def _follow(self, name: str, publishers: Iterable[Any]) -> None:
+    def _follow(self, name: str, publishers: Sequence[Any]) -> None:
         wrong = sorted({f"{p.topic_type} by {p.node_name}" for p in publishers if p.topic_type != self._types[name]})
         if wrong:
             self._complain(name, f"{name} is published as {', '.join(wrong)}; recorded is {self._types[name]} alone")
@@ -146,15 +142,7 @@ class Subscriptions:
             self._subscribe(name, weaker)
 
     def _subscribe(self, name: str, qos: QoSProfile) -> None:
-        receive = self._receive
-
-        def callback(data: bytes, info: Mapping[str, int]) -> None:  # rclpy counts a plain function's arguments
-            receive(name, data, info)
-
-        old = self._made.pop(name, None)
-        if old is not None:
-            self._node.destroy_subscription(old)
-        self._made[name] = self._node.create_subscription(get_message(self._types[name]), name, callback, qos, raw=True)
+        self._intake.subscribe(name, self._types[name], qos)
         self._qos[name] = qos
 
     def _complain(self, name: str, text: str) -> None:

@@ -5,7 +5,8 @@ from __future__ import annotations
 from hypothesis import given
 from hypothesis import strategies as st
 
-from seat_gear_dynamics.logs.snapshot import EventTrigger, Kept, Ring
+from seat_gear_dynamics.logs.batch import Kept
+from seat_gear_dynamics.logs.snapshot import EventTrigger, Ring
 
 SECOND = 1_000_000_000
 MUCH = 10**9
