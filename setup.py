@@ -18,6 +18,7 @@ REQUIREMENTS = [
     "rosbags>=0.10.9",  # ROS 2 Jazzy message definitions and type hashes, and bag reading
     "rich>=13.7",  # the live terminal view
     "matplotlib>=3.6",  # the report's figures
+    "argcomplete>=3.1.4",  # completes the command line in bash, zsh and fish; 3.1.4 is Ubuntu 24.04's
     "cyclonedds>=11.0",  # DDS for the bundled runtime; never imported where rclpy is installed
 ]
 

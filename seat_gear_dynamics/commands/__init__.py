@@ -1,6 +1,7 @@
 """The `seat-gear` command line: one short module per command, loaded when it runs."""
 
 import argparse
+import os
 import sys
 from collections.abc import Sequence
 from contextlib import AbstractContextManager, nullcontext
@@ -28,6 +29,7 @@ COMMANDS = {
     "analyze": "analyze",
     "replay": "replay",
     "recover": "recover",
+    "completion": "completion",
 }
 # Those that run the model in this process. Compiling it takes some seconds, once on a machine, in which they say so.
 _MODELLING = frozenset(
@@ -37,7 +39,10 @@ _MODELLING = frozenset(
 
 def main(arguments: Sequence[str] | None = None) -> int:
     """Run `seat-gear`; returns 0 done, 1 failed; wrong use exits with 2."""
-    parsed = _parser().parse_args(arguments)
+    parser = _parser()
+    if "_ARGCOMPLETE" in os.environ:  # set by the code of `seat-gear completion`
+        import_module("seat_gear_dynamics.commands.completion").complete(parser)
+    parsed = parser.parse_args(arguments)
     try:
         with _compilation_told(parsed):
             return int(parsed.run(parsed))
