@@ -85,6 +85,7 @@ setup(
         ("share/ament_index/resource_index/packages", [f"resource/{PACKAGE}"]),
         (SHARE, ["package.xml"]),
         (f"{SHARE}/config", [*glob("config/*.yaml"), *glob("config/*.npz")]),
+        (f"{SHARE}/config/security", glob("config/security/*.xml")),
         (f"{SHARE}/launch", glob("launch/*.launch.py")),
     ],
     install_requires=REQUIREMENTS,

@@ -11,7 +11,7 @@ from collections.abc import Callable
 from types import MethodType, TracebackType
 from typing import TYPE_CHECKING, Any
 
-from seat_gear_dynamics.runtime import arguments, logging, signals
+from seat_gear_dynamics.runtime import arguments, logging, security, signals
 from seat_gear_dynamics.runtime.exceptions import NotInitializedException, RCLError
 from seat_gear_dynamics.runtime.wire.domain import HIGHEST_DOMAIN, domain_id_from
 
@@ -144,6 +144,7 @@ class Context:
 
         Raises:
             NotInitializedException: the context is not running.
+            RCLError: security is enforced, which this runtime does not have, or DDS refuses.
         """
         from seat_gear_dynamics.runtime.graph import Graph
         from seat_gear_dynamics.runtime.wire.participant import Participant
@@ -152,6 +153,8 @@ class Context:
             if self._graph is None:
                 if not self.ok():
                     raise NotInitializedException("the context is not running")
+                if (warning := security.insecurity(os.environ)) is not None:
+                    logging.get_logger("rclpy").warning(warning)
                 self._graph = Graph(Participant(self._domain_id))
             return self._graph
 
