@@ -86,6 +86,7 @@ setup(
         (SHARE, ["package.xml"]),
         (f"{SHARE}/config", [*glob("config/*.yaml"), *glob("config/*.npz")]),
         (f"{SHARE}/config/security", glob("config/security/*.xml")),
+        (f"{SHARE}/config/layouts", glob("config/layouts/*")),
         (f"{SHARE}/launch", glob("launch/*.launch.py")),
     ],
     install_requires=REQUIREMENTS,

@@ -8,12 +8,13 @@ from numpy.typing import NDArray
 
 from seat_gear_dynamics.motion.march import Inputs, March
 from seat_gear_dynamics.motion.system import System
+from seat_gear_dynamics.plotting import Plottable
 
 Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True)
-class History:
+class History(Plottable, figure="motion:plot_history", table="motions:history_table"):
     """A motion at a steady drive, at every step of the march."""
 
     tau: Array

@@ -1,6 +1,6 @@
-"""The compiled march: classical Runge-Kutta (20)-(21), step locked to the mesh period, state and tangent together.
+"""What a march is made of: the equations for plain numbers, the excitation's tables, and the plan of a step.
 
-(20) as printed lacks its factor 1/6 (an erratum): y + h/6·(k1 + 2·k2 + 2·k3 + k4) is the method, and is used.
+`steps.march` puts them together, with the equations of `stages`, which are these for four numbers at a time.
 """
 
 from math import cos, isfinite, log, pi, sin, sqrt
@@ -14,11 +14,18 @@ Array = NDArray[np.float64]
 Index = NDArray[np.int64]
 
 FINISHED, DIVERGED, SECTIONS_FULL = 0, 1, 2
+"""Result codes of a march."""
 WINDOW_COLUMNS = ("duration", "sum", "sum_of_squares", "minimum", "maximum", "separated")
 SECTION_COLUMNS = ("tau", "delta", "rate", "growth_12", "growth_34")
 
-_BEYOND = 1e8  # a mesh deflection of a hundred million b_c is a diverged solution, not a motion
-_RENORMALISE = 1024  # steps after which the tangent is rescaled where no section does it (standstill)
+BEYOND = 1e8
+"""A mesh deflection of a hundred million b_c is a diverged solution, not a motion."""
+RENORMALISE = 1024
+"""Steps after which the tangent is rescaled where no section does it (standstill)."""
+
+# Part of their callers: a call would count references to every array that it is given, and a motion in registers would
+# go through memory, both of which take longer than what is computed.
+inlined = njit(error_model="numpy", forceinline=True)
 
 
 class Equations(NamedTuple):
@@ -118,8 +125,8 @@ def _rates(
             dz[i + 12] -= eq.shaft_reaction[i] * d_twist
 
 
-@njit(cache=True, error_model="numpy")
-def _look_up(row: Array, grid: Grid, level: int, half: int) -> None:
+@inlined
+def look_up(row: Array, grid: Grid, level: int, half: int) -> None:
     """Copy the excitation of both meshes at half step `half` of `level` into row, shape (2, 3)."""
     scale = 1 << level
     n1, n2 = 2 * grid.base * scale, 2 * grid.base_second * scale
@@ -138,7 +145,7 @@ def _look_up(row: Array, grid: Grid, level: int, half: int) -> None:
 
 
 @njit(cache=True, error_model="numpy")
-def _renormalise(z: Array, growth: Array, coupled: bool) -> None:
+def renormalise(z: Array, growth: Array, coupled: bool) -> None:
     """Scale the tangent to length 1 and add the logarithm of what it had grown by: each pair's own, or the train's."""
     squares = np.zeros(2)
     for j in range(2):
@@ -155,32 +162,19 @@ def _renormalise(z: Array, growth: Array, coupled: bool) -> None:
             z[6 * j] = 1.0
 
 
-@njit(cache=True, error_model="numpy")
-def _count(window: Array, mesh: Array, h: float) -> None:
-    """Add one step's start values to the window, (2, 6) in the order of WINDOW_COLUMNS."""
-    for j in range(2):
-        force = mesh[j, 2]
-        window[j, 0] += h
-        window[j, 1] += h * force
-        window[j, 2] += h * force * force
-        window[j, 3] = min(window[j, 3], force)
-        window[j, 4] = max(window[j, 4], force)
-        window[j, 5] += h * (1.0 - mesh[j, 3])
-
-
-@njit(cache=True, error_model="numpy")
+@inlined
 def _grid_level(frequency: float, place: int, grid: Grid) -> int:
     """Return the coarsest level whose step is short enough and on whose grid `place` lies; grid.levels means creep."""
     speed = abs(frequency)
     for level in range(grid.levels):
         stride = 1 << (grid.levels - 1 - level)
-        if place % stride == 0 and 2 * pi <= grid.longest_step * speed * grid.base * (1 << level):
+        if place & (stride - 1) == 0 and 2 * pi <= grid.longest_step * speed * grid.base * (1 << level):
             return level
     return grid.levels
 
 
-@njit(cache=True, error_model="numpy")
-def _plan(frequency: float, clock: Array, place: Index, grid: Grid) -> tuple[int, float, float, int]:
+@inlined
+def plan(frequency: float, clock: Array, place: Index, grid: Grid) -> tuple[int, float, float, int]:
     """Return (level, step in τ, phase rate of P12 per τ, finest steps that the phase moves, signed) of the next step.
 
     Where even the finest grid would take too long a step the phase creeps: the excitation is held over a longest step
@@ -199,89 +193,13 @@ def _plan(frequency: float, clock: Array, place: Index, grid: Grid) -> tuple[int
 
 
 @njit(cache=True, error_model="numpy")
-def _record(sections: Array, recorded: Index, tau: float, mesh: Array, growth: Array) -> None:
+def record(sections: Array, recorded: Index, tau: float, delta: float, rate: float, growth: Array) -> None:
     """Write one section point of P12 in the order of SECTION_COLUMNS and start the growth anew."""
     r = recorded[0]
-    sections[r, 0], sections[r, 1], sections[r, 2] = tau, mesh[0, 0], mesh[0, 1]
+    sections[r, 0], sections[r, 1], sections[r, 2] = tau, delta, rate
     sections[r, 3], sections[r, 4] = growth[0], growth[1]
     growth[0], growth[1] = 0.0, 0.0
     recorded[0] = r + 1
-
-
-@njit(cache=True, error_model="numpy", nogil=True)
-def march(
-    y: Array,
-    z: Array,
-    clock: Array,
-    place: Index,
-    growth: Array,
-    window: Array,
-    sections: Array,
-    recorded: Index,
-    eq: Equations,
-    grid: Grid,
-    segment: Segment,
-) -> int:
-    """Advance by whole steps while a step starts before `segment.end`; return a result code.
-
-    In and out: y, z (24,) state and tangent; clock (2,) = τ and the creep's unspent phase in finest steps; place (2,)
-    = finest step of the common cycle and steps since the tangent was rescaled; growth (2,) logarithmic growth since
-    the last section; window (2, 6); sections (n, 5) with recorded[0] rows used. Frequency and load are held over a
-    step at their value at its start, so that a step depends on no input later than that: the result is independent of
-    how the time axis is cut into calls.
-
-    The four stages stand here in a row, on arrays made here: as a function of their own they cost three times as much,
-    because the compiler then no longer sees that the arrays do not overlap.
-    """
-    k1, k2, k3, k4, ys = np.empty(24), np.empty(24), np.empty(24), np.empty(24), np.empty(24)
-    j1, j2, j3, j4, zs = np.empty(24), np.empty(24), np.empty(24), np.empty(24), np.empty(24)
-    mesh, spare, row = np.empty((2, 4)), np.empty((2, 4)), np.empty((2, 3))
-    finest = grid.levels - 1
-    period = grid.base << finest
-    while clock[0] < segment.end:
-        if recorded[0] >= sections.shape[0]:
-            return SECTIONS_FULL
-        since = clock[0] - segment.tau
-        frequency = segment.frequency + segment.frequency_slope * since
-        load = segment.load + segment.load_slope * since
-        level, h, rate, moved = _plan(frequency, clock, place, grid)
-        half = 2 * (place[0] >> (finest - level))
-        toward = 0 if rate == 0.0 else (1 if moved > 0 else -1)
-        _look_up(row, grid, level, half)
-        _rates(y, z, row, rate, load, eq, k1, j1, mesh)
-        if not abs(mesh[0, 0]) + abs(mesh[1, 0]) < _BEYOND:
-            return DIVERGED
-        _count(window, mesh, h)
-        for i in range(24):
-            ys[i] = y[i] + 0.5 * h * k1[i]
-            zs[i] = z[i] + 0.5 * h * j1[i]
-        _look_up(row, grid, level, half + toward)
-        _rates(ys, zs, row, rate, load, eq, k2, j2, spare)
-        for i in range(24):
-            ys[i] = y[i] + 0.5 * h * k2[i]
-            zs[i] = z[i] + 0.5 * h * j2[i]
-        _rates(ys, zs, row, rate, load, eq, k3, j3, spare)
-        for i in range(24):
-            ys[i] = y[i] + h * k3[i]
-            zs[i] = z[i] + h * j3[i]
-        _look_up(row, grid, level, half + 2 * toward)
-        _rates(ys, zs, row, rate, load, eq, k4, j4, spare)
-        for i in range(24):
-            y[i] += h / 6 * (k1[i] + 2 * k2[i] + 2 * k3[i] + k4[i])
-            z[i] += h / 6 * (j1[i] + 2 * j2[i] + 2 * j3[i] + j4[i])
-        clock[0] += h
-        place[0] = (place[0] + moved) % grid.cycle
-        place[1] += 1
-        if moved != 0 and place[0] % period == 0:
-            _renormalise(z, growth, eq.coupled)
-            place[1] = 0
-            _look_up(row, grid, level, 2 * (place[0] >> (finest - level)))
-            _rates(y, z, row, rate, load, eq, k1, j1, mesh)
-            _record(sections, recorded, clock[0], mesh, growth)
-        elif place[1] >= _RENORMALISE:
-            _renormalise(z, growth, eq.coupled)
-            place[1] = 0
-    return FINISHED
 
 
 @njit(cache=True, error_model="numpy")
@@ -289,6 +207,6 @@ def mesh_values(y: Array, place: Index, frequency: float, eq: Equations, grid: G
     """Return (δ, δ′, force, in contact) of both meshes at the present place, shape (2, 4)."""
     row, mesh = np.empty((2, 3)), np.empty((2, 4))
     scratch_y, scratch_z, z = np.empty(24), np.empty(24), np.zeros(24)
-    _look_up(row, grid, grid.levels - 1, 2 * place[0])
+    look_up(row, grid, grid.levels - 1, 2 * place[0])
     _rates(y, z, row, frequency / (2 * pi), 0.0, eq, scratch_y, scratch_z, mesh)
     return mesh

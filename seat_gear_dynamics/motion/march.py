@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from seat_gear_dynamics.gears import GearTrain
-from seat_gear_dynamics.motion import kernel
+from seat_gear_dynamics.motion import kernel, steps
 from seat_gear_dynamics.motion.coefficients import coefficients, static_state
 from seat_gear_dynamics.motion.system import STATE_NAMES
 from seat_gear_dynamics.motion.tables import LEVELS, TARGET_STEPS, tables
@@ -196,7 +196,7 @@ class March:
         code = kernel.SECTIONS_FULL
         while code == kernel.SECTIONS_FULL:
             recorded = np.zeros(1, dtype=np.int64)
-            code = kernel.march(
+            code = steps.march(
                 self._y,
                 self._z,
                 self._clock,

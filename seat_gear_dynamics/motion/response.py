@@ -6,15 +6,17 @@ from math import inf, nextafter, pi
 import numpy as np
 from numpy.typing import NDArray
 
+from seat_gear_dynamics.motion.history import History, history
 from seat_gear_dynamics.motion.march import LONGEST_STEP, Inputs, March, Window
 from seat_gear_dynamics.motion.system import System
 from seat_gear_dynamics.motion.tables import TARGET_STEPS
+from seat_gear_dynamics.plotting import Plottable
 
 Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True)
-class Response:
+class Response(Plottable, figure="motion:plot_section", table="motions:response_table"):
     """A motion at a steady drive, after its run-in."""
 
     system: System
@@ -28,6 +30,13 @@ class Response:
     """Final state, (24,), at mesh phase 0."""
     force_unit: float
     """N per unit of dimensionless force."""
+
+    def history(self, *, periods: int = 12) -> History:
+        """Return the motion step by step over `periods` mesh periods more, from the final state on.
+
+        The section of the history is that of as many periods as were sampled, further on.
+        """
+        return history(self.system, transient=0, periods=periods, sampled=len(self.section), state=self.state)
 
     @property
     def period(self) -> float:

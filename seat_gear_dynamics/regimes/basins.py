@@ -7,6 +7,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from seat_gear_dynamics.motion import STATE_NAMES, System
+from seat_gear_dynamics.plotting import Plottable
 from seat_gear_dynamics.regimes.attractors import TOLERANCE, Attractor, Labels, attractors
 from seat_gear_dynamics.regimes.bands import binomial_error
 from seat_gear_dynamics.regimes.points import increasing
@@ -25,7 +26,7 @@ class Share:
 
 
 @dataclass(frozen=True, eq=False)
-class Basins:
+class Basins(Plottable, figure="basins:draw_basins", table="regimes:basins_table"):
     """The plane of initial (δ, δ′) of P12, coloured by the motion that each start settles on."""
 
     deflections: Array

@@ -12,6 +12,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from seat_gear_dynamics.gears import GearTrain
 from seat_gear_dynamics.motion import System
+from seat_gear_dynamics.plotting import Plottable
 from seat_gear_dynamics.regimes.bands import MapBand, forbidden_bands, wilson_interval
 from seat_gear_dynamics.regimes.classification import Name
 from seat_gear_dynamics.regimes.map_nodes import NAMES as NAMES
@@ -30,7 +31,7 @@ class MapError(ValueError):
 
 
 @dataclass(frozen=True, eq=False)
-class RegimeMap:
+class RegimeMap(Plottable, figure="regime_map:plot_map", table="regimes:map_table"):
     """Regimes over a grid of speed and load; arrays have shape (loads, speeds).
 
     Every node is run from rest at static deflection, so of motions that coexist the map shows one. Speeds are positive

@@ -5,7 +5,8 @@ from math import pi
 from typing import Any
 
 from seat_gear_dynamics.gears.units import RPM
-from seat_gear_dynamics.motion import Response, System, Window, integrate
+from seat_gear_dynamics.motion import History, Response, System, Window, integrate
+from seat_gear_dynamics.plotting import Plottable
 from seat_gear_dynamics.regimes.classification import Regime, classify
 
 
@@ -36,7 +37,7 @@ class MeshForce:
 
 
 @dataclass(frozen=True)
-class Simulation:
+class Simulation(Plottable, figure="motion:plot_simulation", table="motions:simulation_table"):
     """What one operating point does."""
 
     frequency: float
@@ -46,6 +47,10 @@ class Simulation:
     meshes: dict[str, MeshForce]
     regime: Regime
     response: Response
+
+    def history(self, *, periods: int = 12) -> History:
+        """Return the motion step by step over `periods` mesh periods more; see `Response.history`."""
+        return self.response.history(periods=periods)
 
     def as_dict(self) -> dict[str, Any]:
         """Return the result as plain values for JSON, forces in N."""

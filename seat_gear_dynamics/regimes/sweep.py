@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from seat_gear_dynamics.motion import System
+from seat_gear_dynamics.plotting import Plottable
 from seat_gear_dynamics.regimes.attractors import TOLERANCE, same_motion
 from seat_gear_dynamics.regimes.classification import Name, Regime
 from seat_gear_dynamics.regimes.points import Answer, Motion, Point, abreast, answers, bare, follow, regime_of
@@ -57,7 +58,7 @@ class Row:
 
 
 @dataclass(frozen=True, eq=False)
-class Sweep:
+class Sweep(Plottable, figure="bifurcation:plot_sweep", table="regimes:sweep_table"):
     """A finished sweep."""
 
     over: Quantity

@@ -19,6 +19,7 @@ from seat_gear_dynamics.motion.integrators import (
     integrate_time,
     right_hand_side,
 )
+from seat_gear_dynamics.plotting import Plottable
 
 Array = NDArray[np.float64]
 
@@ -71,7 +72,7 @@ class Measurement:
 
 
 @dataclass(frozen=True)
-class WorkPrecision:
+class WorkPrecision(Plottable, figure="work_precision:plot_work_precision", table="studies:work_precision_table"):
     """The study's result."""
 
     cases: tuple[Case, ...]

@@ -87,3 +87,21 @@ def test_the_topic_names_stand_in_one_place() -> None:
             text = path.read_text()
             for name in ("gear_monitor/mesh", "gear_monitor/chaos", "gear_monitor/in_", "motor/speed", "load/torque"):
                 assert not re.search(f'(?<!`)"{name}', text), f"{path.name} spells the topic {name}"
+
+
+def named_in_views(path: Path) -> list[tuple[str, str]]:
+    """Return what the result classes of a module name: `figures` or `tables`, and `module:function`."""
+    classes = (node for node in ast.walk(ast.parse(path.read_text())) if isinstance(node, ast.ClassDef))
+    words = [word for node in classes for word in node.keywords if word.arg in ("figure", "table")]
+    return [(f"{word.arg}s", str(ast.literal_eval(word.value))) for word in words]
+
+
+def test_the_one_way_up_is_by_name_and_leads_somewhere() -> None:
+    """`plotting` imports no room; what results name for `plot` and `table` is a function of `views`."""
+    assert not any(name.startswith("seat_gear_dynamics") for name in imported(PACKAGE / "plotting.py"))
+    named = [each for room in ROOMS if room != "views" for path in modules(room) for each in named_in_views(path)]
+    assert len(named) > 20
+    for kind, name in named:
+        module, _, function = name.partition(":")
+        defined = ast.parse((PACKAGE / "views" / kind / f"{module}.py").read_text()).body
+        assert function in {node.name for node in defined if isinstance(node, ast.FunctionDef)}, f"{kind} {name}"

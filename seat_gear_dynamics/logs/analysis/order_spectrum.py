@@ -10,12 +10,13 @@ from scipy.interpolate import CubicSpline
 from scipy.signal import welch
 
 from seat_gear_dynamics.gears import GearTrain
+from seat_gear_dynamics.plotting import Plottable
 
 Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True, eq=False)
-class OrderSpectrum:
+class OrderSpectrum(Plottable, figure="order_spectrum:plot_spectrum", table="motions:order_spectrum_table"):
     """Amplitudes of a mesh force by order of the shaft s1."""
 
     orders: Array

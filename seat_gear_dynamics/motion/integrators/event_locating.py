@@ -19,7 +19,6 @@ from seat_gear_dynamics.motion.integrators.checks import positive
 from seat_gear_dynamics.motion.integrators.contact_events import far, first_change, look, resolution, settle
 from seat_gear_dynamics.motion.integrators.field import FREE, Field, rates
 from seat_gear_dynamics.motion.integrators.landing import change, land
-from seat_gear_dynamics.motion.integrators.revision import revision
 from seat_gear_dynamics.motion.integrators.run import (
     CHATTERING,
     CLOSE,
@@ -47,6 +46,7 @@ from seat_gear_dynamics.motion.integrators.tableau import (
     scaled_error,
     step,
 )
+from seat_gear_dynamics.motion.revision import revision
 
 Array = NDArray[np.float64]
 Index = NDArray[np.int64]

@@ -17,8 +17,8 @@ from numpy.typing import ArrayLike, NDArray
 
 from seat_gear_dynamics.gears import PeriodicSeries
 from seat_gear_dynamics.motion import kernel
-from seat_gear_dynamics.motion.integrators.revision import revision
 from seat_gear_dynamics.motion.kernel import Equations, _rates
+from seat_gear_dynamics.motion.revision import revision
 from seat_gear_dynamics.motion.system import System
 
 Array = NDArray[np.float64]

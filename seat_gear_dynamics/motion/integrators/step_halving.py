@@ -11,7 +11,6 @@ from seat_gear_dynamics.motion import kernel
 from seat_gear_dynamics.motion.integrators import field, run, tableau
 from seat_gear_dynamics.motion.integrators.checks import positive
 from seat_gear_dynamics.motion.integrators.field import FREE, Field, rates
-from seat_gear_dynamics.motion.integrators.revision import revision
 from seat_gear_dynamics.motion.integrators.run import (
     DIVERGED,
     EVALUATIONS,
@@ -29,6 +28,7 @@ from seat_gear_dynamics.motion.integrators.run import (
     side,
 )
 from seat_gear_dynamics.motion.integrators.tableau import RUNGE_KUTTA_4, Tableau, step
+from seat_gear_dynamics.motion.revision import revision
 
 Array = NDArray[np.float64]
 Index = NDArray[np.int64]

@@ -19,7 +19,7 @@ from seat_gear_dynamics.motion.lanes.reduction import (
     reduced,
     static_rest,
 )
-from seat_gear_dynamics.motion.lanes.structure import U2, U3, Structure, structure_of, supports
+from seat_gear_dynamics.motion.lanes.structure import STAGES, U2, U3, Structure, structure_of, supports
 from seat_gear_dynamics.motion.tables import LEVELS
 
 Array = NDArray[np.float64]
@@ -145,7 +145,8 @@ def rows(structure: Structure, members: Sequence[tuple[Entry, Index]]) -> tuple[
             named[f"{prefix}Q{i}"] = values[:, i]
             named[f"{prefix}V{i}"] = values[:, COORDINATES + i] * half_step
     for j in range(s.meshes):
-        named[f"DAMPING{j}"] = np.concatenate([e.damping[lanes, j] for e, lanes in members]) / half_step
+        damping = np.concatenate([e.damping[lanes, j] for e, lanes in members]) / half_step
+        named |= {structure.damping(j, stage): damping for stage in STAGES}
         named[f"UPPER{j}"] = np.concatenate([e.half_backlash[lanes, j] for e, lanes in members])
         named[f"LOWER{j}"] = -named[f"UPPER{j}"]
         named |= {f"{kind}{j}": np.full(len(half_step), value) for kind, value in _EMPTY_WINDOW.items()}

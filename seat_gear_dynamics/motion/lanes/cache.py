@@ -6,7 +6,6 @@ compiled in memory for each process instead.
 """
 
 import sys
-from collections.abc import Callable
 from hashlib import sha256
 from importlib.util import module_from_spec, spec_from_file_location
 from pathlib import Path
@@ -17,8 +16,9 @@ from typing import Any
 import numba
 from numba.misc.appdirs import AppDirs
 
-Announce = Callable[[str], None]
-"""Gets a sentence for people before something that takes some seconds."""
+from seat_gear_dynamics.motion.compiling import Announce, announced
+
+COMPILING = "Compiling the lane kernel for this machine; this takes some seconds, once."
 
 
 def cache_folder() -> Path:
@@ -33,26 +33,20 @@ def kept_module(text: str, text_in_memory: str, *, rests_on: str, announce: Anno
     """Return the module that `text` makes, from its file in the cache folder, which is written if need be.
 
     text_in_memory: the same for a process that can keep no file. rests_on: further text on which its machine code
-    depends. `announce` gets a sentence when it has to be compiled. The file holds nothing but `text`, which is looked
+    depends. `announce` gets a sentence when it is really compiled. The file holds nothing but `text`, which is looked
     at before it is run: a damaged one is written anew.
     """
     name = f"seat_gear_lanes_{sha256((text + rests_on).encode()).hexdigest()[:20]}"
-    try:
-        path = cache_folder() / f"{name}.py"
-        if not path.is_file() or path.read_text(encoding="utf-8", errors="replace") != text:
-            _say(announce)
-            _write(path, text)
-        return _load(name, path)
-    except (OSError, RuntimeError):  # no home, no room or no right to write; numba tells the last as a RuntimeError
-        _say(announce)
-        module = ModuleType(name)
-        exec(compile(text_in_memory, f"<{name}>", "exec"), module.__dict__)
-        return module
-
-
-def _say(announce: Announce | None) -> None:
-    if announce is not None:
-        announce("Compiling the lane kernel for this machine; this takes some seconds, once.")
+    with announced(announce, COMPILING):
+        try:
+            path = cache_folder() / f"{name}.py"
+            if not path.is_file() or path.read_text(encoding="utf-8", errors="replace") != text:
+                _write(path, text)
+            return _load(name, path)
+        except (OSError, RuntimeError):  # no home, no room or no right to write; numba tells the last as a RuntimeError
+            module = ModuleType(name)
+            exec(compile(text_in_memory, f"<{name}>", "exec"), module.__dict__)
+            return module
 
 
 def _write(path: Path, text: str) -> None:

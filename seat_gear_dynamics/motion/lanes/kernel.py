@@ -9,10 +9,13 @@ import llvmlite.binding  # type: ignore[import-untyped]  # what numba compiles w
 import numba
 from numba.core.compiler_lock import global_compiler_lock
 
+from seat_gear_dynamics.motion import vectors
+from seat_gear_dynamics.motion.compiling import Announce
 from seat_gear_dynamics.motion.lanes import period
-from seat_gear_dynamics.motion.lanes.cache import Announce, kept_module
+from seat_gear_dynamics.motion.lanes.cache import kept_module
 from seat_gear_dynamics.motion.lanes.source import advance_source
 from seat_gear_dynamics.motion.lanes.structure import Structure
+from seat_gear_dynamics.motion.revision import revision
 
 WIDTH = 16
 """Lanes of a block: two of the widest vectors there are; a coupled train's rows then fit a first-level cache."""
@@ -23,6 +26,7 @@ _HEAD = '''\
 from numba import njit
 
 from seat_gear_dynamics.motion.lanes.period import lay_out, mark_diverged, rescale, take_section
+from seat_gear_dynamics.motion.vectors import align_stack
 
 # Multiplications and additions may be fused, in all lanes alike. No other licence: NaN and infinity must stay visible.
 compiled = {{"cache": {cache}, "nogil": True, "error_model": "numpy", "fastmath": {{"contract"}}}}
@@ -87,19 +91,25 @@ def kernel(structure: Structure, *, width: int = WIDTH, announce: Announce | Non
             module = kept_module(
                 kernel_source(structure, width, cache=True),
                 kernel_source(structure, width, cache=False),
-                rests_on=inspect.getsource(period),
+                rests_on=f"{inspect.getsource(period)}{revision(vectors)}",
                 announce=announce,
             )
             _kernels[key] = Kernel(structure, width, module.march, module.advance)
         return _kernels[key]
 
 
+def _processor() -> str:
+    settings: Any = numba.config
+    return str(settings.CPU_NAME or llvmlite.binding.get_host_cpu_name())
+
+
 def kernel_source(structure: Structure, width: int, *, cache: bool) -> str:
     """Return the whole source of a kernel's module, with or without numba's cache."""
-    head = _HEAD.format(cpu=llvmlite.binding.get_host_cpu_name(), numba=numba.__version__, cache=cache)
+    head = _HEAD.format(cpu=_processor(), numba=numba.__version__, cache=cache)
     rows = structure.row
+    definition = "def advance(lanes, excitation, count):\n"
     decorated = advance_source(structure, width).replace(
-        "def advance(", '@njit("void(f8[::1], f8[::1], i8)", **compiled)\ndef advance('
+        definition, f'@njit("void(f8[::1], f8[::1], i8)", **compiled)\n{definition}    align_stack()\n'
     )
     return (
         head

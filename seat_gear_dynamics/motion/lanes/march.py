@@ -14,10 +14,10 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from seat_gear_dynamics.gears import GearTrain
+from seat_gear_dynamics.motion.compiling import Announce
 from seat_gear_dynamics.motion.kernel import WINDOW_COLUMNS
 from seat_gear_dynamics.motion.lanes.batch import Company, Entry, Index, entry, rows
 from seat_gear_dynamics.motion.lanes.block import BlockResponse, Run, march_block
-from seat_gear_dynamics.motion.lanes.cache import Announce
 from seat_gear_dynamics.motion.lanes.excitation import Grid, grid
 from seat_gear_dynamics.motion.lanes.kernel import WIDTH, kernel
 from seat_gear_dynamics.motion.lanes.points import LanePoints, LaneResponse, checked

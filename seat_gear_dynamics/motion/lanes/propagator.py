@@ -16,7 +16,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from seat_gear_dynamics.motion.lanes.structure import PER_MESH, U2, U3, Structure, pushes
+from seat_gear_dynamics.motion.lanes.structure import PER_MESH, Structure
 
 Array = NDArray[np.float64]
 Stages = tuple[Array, Array, Array, Array]
@@ -39,50 +39,36 @@ class Mechanics:
 
 def propagator(s: Structure, m: Mechanics) -> dict[str, Array]:
     """Return the linear coefficients of every lane, (n,), by the names of rows in `structure`."""
+    zero, one = np.zeros_like(m.gain), np.ones_like(m.gain)
     rows: dict[str, Array] = {}
-    for unit in "qv":
-        for start, answers in _unit_starts(s, m, unit):
-            for i in start:
-                rows |= _linear_rows(s, answers, i, unit.upper())
-    rows |= _drive_rows(s, _stages(s, m, push=(m.drive,) * 4))
+    for unit, answers in (("Q", _stages(m, q=one, v=zero)), ("V", _stages(m, q=zero, v=one))):
+        for j in range(s.meshes):
+            for i in s.mapped(j):
+                rows |= _linear_rows(answers, i, unit)
+    rows |= _drive_rows(s, _stages(m, q=zero, v=zero, push=(m.drive,) * 4))
     for force in s.forces:
         rows |= _force_rows(s, m, force)
+    for i, far in s.ends:
+        rows |= _end_rows(s, m, i, far)
     return rows
 
 
-def _unit_starts(s: Structure, m: Mechanics, unit: str) -> list[tuple[list[int], Stages]]:
-    """Return the answers to unit starts, as many at once as do not meet: the ends of the shaft need a turn each."""
-    first = [i for i in range(s.coordinates) if not (s.coupled and i == U3)]
-    starts = [first, [U3]] if s.coupled else [first]
-    found = []
-    for start in starts:
-        ones = np.zeros_like(m.gain)
-        ones[start] = 1.0
-        found.append((start, _stages(s, m, q=ones) if unit == "q" else _stages(s, m, v=ones)))
-    return found
+def _stages(m: Mechanics, *, q: Array, v: Array, push: tuple[Array, ...] | None = None) -> Stages:
+    """Return the accelerations of the four stages from start q, v with accelerations `push` added stage by stage.
 
-
-def _stages(
-    s: Structure, m: Mechanics, *, q: Array | None = None, v: Array | None = None, push: tuple[Array, ...] | None = None
-) -> Stages:
-    """Return the accelerations of the four stages from start q, v with accelerations `push` added stage by stage."""
-    zero = np.zeros_like(m.gain)
-    q, v = zero if q is None else q, zero if v is None else v
-    pushed = (zero,) * 4 if push is None else push
-    a1 = pushed[0] - _held(s, m, q, v)
-    a2 = pushed[1] - _held(s, m, q + v, v + a1)
-    a3 = pushed[2] - _held(s, m, q + v + a1, v + a2)
-    a4 = pushed[3] - _held(s, m, q + 2 * (v + a2), v + 2 * a3)
+    Every coordinate goes by itself, so that one call answers for unit starts of all of them.
+    """
+    pushed = (np.zeros_like(q),) * 4 if push is None else push
+    a1 = pushed[0] - _held(m, q, v)
+    a2 = pushed[1] - _held(m, q + v, v + a1)
+    a3 = pushed[2] - _held(m, q + v + a1, v + a2)
+    a4 = pushed[3] - _held(m, q + 2 * (v + a2), v + 2 * a3)
     return a1, a2, a3, a4
 
 
-def _held(s: Structure, m: Mechanics, q: Array, v: Array) -> Array:
-    """Return the acceleration that supports and shaft take away."""
-    taken = m.stiffness * q + m.damping * v
-    if s.coupled:
-        for i, far in ((U2, U3), (U3, U2)):
-            taken[i] += m.far_stiffness[i] * q[far] + m.far_damping[i] * v[far]
-    return taken
+def _held(m: Mechanics, q: Array, v: Array) -> Array:
+    """Return the acceleration that supports take away."""
+    return m.stiffness * q + m.damping * v
 
 
 def _gains(a: Stages) -> tuple[Array, Array]:
@@ -91,19 +77,16 @@ def _gains(a: Stages) -> tuple[Array, Array]:
     return 2 / 3 * (a1 + a2 + a3), (a1 + 2 * a2 + 2 * a3 + a4) / 3
 
 
-def _linear_rows(s: Structure, a: Stages, i: int, unit: str) -> dict[str, Array]:
-    """Return what a unit start in coordinate i does to itself and to what it is linked with."""
+def _linear_rows(a: Stages, i: int, unit: str) -> dict[str, Array]:
+    """Return what a unit start in coordinate i does to itself and to the closing of its mesh."""
     to_q, to_v = _gains(a)
-    rows: dict[str, Array] = {}
-    for m in s.linked(i):
-        rows |= {f"Q{m}_OF_{unit}{i}": to_q[m], f"V{m}_OF_{unit}{i}": to_v[m]}
-        rows |= {f"A{n}_{m // PER_MESH}_OF_{unit}{i}": a[n - 1][m] for n in (1, 2, 3)}
-    return rows
+    rows = {f"Q{i}_OF_{unit}{i}": to_q[i], f"V{i}_OF_{unit}{i}": to_v[i]}
+    return rows | {f"A{n}_{i // PER_MESH}_OF_{unit}{i}": a[n - 1][i] for n in (1, 2, 3)}
 
 
 def _drive_rows(s: Structure, a: Stages) -> dict[str, Array]:
     to_q, to_v = _gains(a)
-    rows = {f"A{n}_{j}_DRIVE": _closing(a[n - 1], j) for n in (1, 2, 3) for j in range(s.meshes)}
+    rows = {f"A{n}_{j}_DRIVE": _closing(s, a[n - 1], j) for n in (1, 2, 3) for j in range(s.meshes)}
     for i in range(s.coordinates):
         if s.is_driven(i):
             rows |= {f"Q{i}_DRIVE": to_q[i], f"V{i}_DRIVE": to_v[i]}
@@ -111,20 +94,35 @@ def _drive_rows(s: Structure, a: Stages) -> dict[str, Array]:
 
 
 def _force_rows(s: Structure, m: Mechanics, force: str) -> dict[str, Array]:
-    """Return what a unit of `force` in stage 1 does: to each coordinate, and to the closing of each mesh."""
-    mine = [i for i in range(s.coordinates) if s.force_on(i) == force]
-    push = np.zeros_like(m.gain)
+    """Return what a unit of `force` in stage 1 does: to each coordinate, and to the closing of its mesh."""
+    mesh = int(force[1])
+    mine = [i for i in s.mapped(mesh) if s.force_on(i) == force]
+    push, none = np.zeros_like(m.gain), np.zeros_like(m.gain)
     push[mine] = -m.gain[mine]
-    a = _stages(s, m, push=(push, np.zeros_like(push), np.zeros_like(push), np.zeros_like(push)))
-    rows = {f"P{n}_{j}_{force}": _closing(a[n], j) for j in range(s.meshes) for n in pushes(s, j, force)}
+    a = _stages(m, q=none, v=none, push=(push, none, none, none))
+    rows = {f"P{n}_{mesh}_{force}": _closing(s, a[n], mesh) for n in (0, 1, 2)}
+    end = s.end(mesh)
+    if end is not None and s.force_on(end) == force:
+        rows[f"P0_{mesh}_{force}"] = rows[f"P0_{mesh}_{force}"] - m.gain[end]
     _, to_v = _gains(a)
-    for i in sorted({far for near in mine for far in s.linked(near)}):
+    for i in mine:
         rows[f"V{i}_FIRST_{force}"] = to_v[i]
         reach = a[0][i], a[0][i] + a[1][i], a[0][i] + a[1][i] + a[2][i]
         rows |= {f"R{n}_{i}_{force}": 2 / 3 * reach[3 - n] for n in (1, 2, 3)}
     return rows
 
 
-def _closing(a: Array, mesh: int) -> Array:
-    own = a[PER_MESH * mesh : PER_MESH * (mesh + 1)]
-    return np.asarray((own[0] + own[1]) + (own[2] + own[3]))
+def _end_rows(s: Structure, m: Mechanics, i: int, far: int) -> dict[str, Array]:
+    """Return what accelerates an end of the shaft: its stages are gone through in the kernel itself."""
+    return {
+        f"E{i}_OF_Q{i}": -m.stiffness[i],
+        f"E{i}_OF_V{i}": -m.damping[i],
+        f"E{i}_OF_Q{far}": -m.far_stiffness[i],
+        f"E{i}_OF_V{far}": -m.far_damping[i],
+        f"E{i}_OF_{s.force_on(i)}": -m.gain[i],
+    }
+
+
+def _closing(s: Structure, a: Array, mesh: int) -> Array:
+    own = [a[i] for i in s.mapped(mesh)]
+    return np.asarray((own[0] + own[1]) + (own[2] + own[3] if len(own) == PER_MESH else own[2]))

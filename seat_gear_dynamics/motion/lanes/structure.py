@@ -8,11 +8,12 @@ A block is one flat array of rows, each row one number for every lane: states fi
 and statistics. Row names say what they hold:
 
 - Q3, V3: coordinate 3 and its change in half a step; ZQ3, ZV3: those of the tangent.
-- Q3_OF_V5: what V5 adds to Q3 in a step without mesh forces, beyond the exact Q3 + 2·V3; Q3_DRIVE: what torque adds.
-- R1_3_F0, R2_, R3_: what force F0 of the first, second, third stage adds to Q3; V3_FIRST_F0: of the first stage to V3.
-- A1_0_OF_Q3, A2_, A3_: what Q3 adds to the closing acceleration of mesh 0 in stages 1, 2, 3; A1_0_DRIVE: what torque.
-- P0_0_F1, P1_, P2_: what force F1 adds to the closing acceleration of mesh 0 in its own and in the next two stages.
-- DAMPING0, UPPER0, LOWER0: damping and the ends of the backlash of mesh 0.
+- Q1_OF_V1: what V1 adds to Q1 in a step without mesh forces, beyond the exact Q1 + 2·V1; Q1_DRIVE: what torque adds.
+- R1_1_F0, R2_, R3_: what force F0 of the first, second, third stage adds to Q1; V1_FIRST_F0: of the first stage to V1.
+- A1_0_OF_Q1, A2_, A3_: what Q1 adds to the closing acceleration of mesh 0 in stages 1, 2, 3; A1_0_DRIVE: what torque.
+- P0_0_F0, P1_, P2_: what force F0 adds to the closing acceleration of mesh 0 in its own and in the next two stages.
+- E3_OF_Q3, E3_OF_V5, E3_OF_F0: what Q3, V5, F0 add to the acceleration of an end of the shaft, which has no other rows.
+- DAMPING0 (DAMPING0_1, … where there is a shaft), UPPER0, LOWER0: damping and the ends of the backlash of mesh 0.
 - F0_1 … F0_4, ZF0_1 …: scratch between the two loops of a step.
 - SUM0, SQUARES0, LEAST0, MOST0, APART0: statistics of the force of mesh 0.
 """
@@ -61,22 +62,37 @@ class Structure:
     @property
     def forces(self) -> tuple[str, ...]:
         """Names of the forces of a stage: F of each mesh, and U where the lines of u carry another."""
-        kinds = "F" if self.backlash_in_torsion else "FU"
-        return tuple(f"{kind}{mesh}" for mesh in range(self.meshes) for kind in kinds)
+        return tuple(force for mesh in range(self.meshes) for force in self.forces_of(mesh))
+
+    def forces_of(self, mesh: int) -> tuple[str, ...]:
+        """Return the names of the forces of `mesh`."""
+        return (f"F{mesh}",) if self.backlash_in_torsion else (f"F{mesh}", f"U{mesh}")
 
     def force_on(self, coordinate: int) -> str:
         """Return the name of the force in the line of `coordinate`."""
         kind = "F" if self.backlash_in_torsion or coordinate % 2 == 0 else "U"
         return f"{kind}{coordinate // PER_MESH}"
 
-    def partner(self, coordinate: int) -> int | None:
-        """Return the coordinate at the other end of the shaft, or None."""
-        return {U2: U3, U3: U2}.get(coordinate) if self.coupled else None
+    def end(self, mesh: int) -> int | None:
+        """Return the coordinate of `mesh` at which the shaft ends, or None without a shaft."""
+        return (U2, U3)[mesh] if self.coupled else None
 
-    def linked(self, coordinate: int) -> tuple[int, ...]:
-        """Return the coordinates that act on `coordinate` without any mesh: itself and its partner."""
-        partner = self.partner(coordinate)
-        return (coordinate,) if partner is None else (coordinate, partner)
+    @property
+    def ends(self) -> tuple[tuple[int, int], ...]:
+        """Both ends of the shaft, each with the other one; empty without a shaft."""
+        return ((U2, U3), (U3, U2)) if self.coupled else ()
+
+    def mapped(self, mesh: int) -> tuple[int, ...]:
+        """Return the coordinates of `mesh` on which nothing acts but their supports and the forces of the mesh."""
+        return tuple(i for i in range(PER_MESH * mesh, PER_MESH * (mesh + 1)) if i != self.end(mesh))
+
+    def damping(self, mesh: int, stage: int) -> str:
+        """Return the name of the row with the damping of `mesh` for a stage.
+
+        Without a shaft one row serves all stages. With one there is a copy for each: from stage to stage a compiler
+        keeps what it has read, and two meshes leave no register free for that.
+        """
+        return f"DAMPING{mesh}_{stage}" if self.coupled else f"DAMPING{mesh}"
 
     def is_driven(self, coordinate: int) -> bool:
         """Whether a given torque acts on `coordinate`; T2 and T3 are inner torques of a coupled train."""
@@ -121,32 +137,21 @@ def supports(train: GearTrain) -> bool:
 
 
 def _rows(s: Structure) -> list[str]:
-    coordinates, meshes = range(s.coordinates), range(s.meshes)
-    tangent = range(PER_MESH * s.tangent_meshes)
-    rows = [f"{kind}{i}" for kind in "QV" for i in coordinates]
+    meshes, tangent = range(s.meshes), range(PER_MESH * s.tangent_meshes)
+    rows = [f"{kind}{i}" for kind in "QV" for i in range(s.coordinates)]
     rows += [f"Z{kind}{i}" for kind in "QV" for i in tangent]
-    for i in coordinates:
-        rows += [f"{to}{i}_OF_{of}{m}" for to in "QV" for m in s.linked(i) for of in "QV"]
+    for i in (i for j in meshes for i in s.mapped(j)):
+        rows += [f"{to}{i}_OF_{of}{i}" for to in "QV" for of in "QV"]
         rows += [f"{to}{i}_DRIVE" for to in "QV" if s.is_driven(i)]
-        rows += [f"A{stage}_{i // PER_MESH}_OF_{of}{m}" for stage in (1, 2, 3) for m in s.linked(i) for of in "QV"]
-        rows += [f"V{i}_FIRST_{s.force_on(m)}" for m in s.linked(i)]
-        rows += [f"R{n}_{i}_{s.force_on(m)}" for m in s.linked(i) for n in (1, 2, 3) if n < 3 or m == i]
+        rows += [f"A{stage}_{i // PER_MESH}_OF_{of}{i}" for stage in (1, 2, 3) for of in "QV"]
+        rows += [f"V{i}_FIRST_{s.force_on(i)}", *(f"R{n}_{i}_{s.force_on(i)}" for n in (1, 2, 3))]
+    for i, far in s.ends:
+        rows += [f"E{i}_OF_{of}{m}" for m in (i, far) for of in "QV"] + [f"E{i}_OF_{s.force_on(i)}"]
     for j in meshes:
         rows += [f"A{stage}_{j}_DRIVE" for stage in (1, 2, 3)]
-        rows += [f"P{n}_{j}_{force}" for force in s.forces for n in pushes(s, j, force)]
-        rows += [f"DAMPING{j}", f"UPPER{j}", f"LOWER{j}"]
+        rows += [f"P{n}_{j}_{force}" for force in s.forces_of(j) for n in (0, 1, 2)]
+        rows += [*dict.fromkeys(s.damping(j, stage) for stage in STAGES), f"UPPER{j}", f"LOWER{j}"]
     rows += [f"{force}_{stage}" for force in s.forces for stage in STAGES]
     rows += [f"Z{force}_{stage}" for force in s.forces if int(force[1]) < s.tangent_meshes for stage in STAGES]
     rows += [f"{kind}{j}" for j in meshes for kind in STATISTICS]
-    return list(dict.fromkeys(rows))
-
-
-def pushes(s: Structure, mesh: int, force: str) -> tuple[int, ...]:
-    """Return after how many stages `force` is felt in the closing acceleration of `mesh`: 0, 1, 2 or not at all.
-
-    A force of the mesh itself is felt at once; one of the other mesh comes through the shaft a stage later.
-    """
-    if int(force[1]) == mesh:
-        return (0, 1, 2)
-    through_shaft = s.coupled and force == s.force_on(U2 if mesh == 1 else U3)
-    return (1, 2) if through_shaft else ()
+    return rows

@@ -4,6 +4,7 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 
 from seat_gear_dynamics.gears import GearTrain
+from seat_gear_dynamics.plotting import Plottable
 from seat_gear_dynamics.studies.calibration.freedom import FREEDOMS, read
 from seat_gear_dynamics.studies.calibration.search import evaluate
 
@@ -39,12 +40,16 @@ class Drift:
     lost_up: tuple[str, ...]
 
 
+class Drifts(list[Drift], Plottable, figure="drifts:plot_drifts", table="studies:drifts_table"):
+    """One Drift for each Freedom, in their order."""
+
+
 def sensitivity(
     train: GearTrain,
     *,
     drifts: Sequence[float] = DRIFTS,
     progress: Callable[[int, int], None] | None = None,
-) -> list[Drift]:
+) -> Drifts:
     """Return for each Freedom how far `train` may drift in it before a claim that it meets is lost.
 
     One parameter at a time, from rest at static deflection, on the points of the search; `progress` is called with
@@ -71,7 +76,7 @@ def sensitivity(
             reached = drift
         return reached, ()
 
-    found = []
+    found = Drifts()
     for index, freedom in enumerate(FREEDOMS):
         (down, lost_down), (up, lost_up) = until_lost(index, -1), until_lost(index, 1)
         found.append(Drift(freedom.name, values[index], down, up, lost_down, lost_up))

@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 
 from seat_gear_dynamics.gears import GearTrain
 from seat_gear_dynamics.motion.march import DivergedError
+from seat_gear_dynamics.plotting import Plottable
 from seat_gear_dynamics.studies.contact_verification.conditions import CONDITIONS, RUNNING_TIME, Condition
 from seat_gear_dynamics.studies.contact_verification.impact import Contact
 from seat_gear_dynamics.studies.contact_verification.line_of_action import line_of_action
@@ -92,7 +93,7 @@ class ForceHistory:
 
 
 @dataclass(frozen=True)
-class ConditionRun:
+class ConditionRun(Plottable, figure="contact_force:plot_condition", table="motions:condition_table"):
     """One condition, run."""
 
     condition: Condition

@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 
 from seat_gear_dynamics.motion import System
 from seat_gear_dynamics.motion.march import DivergedError
+from seat_gear_dynamics.plotting import Plottable
 from seat_gear_dynamics.studies.harmonic_balance.balance import Balance, balance
 from seat_gear_dynamics.studies.harmonic_balance.branch import (
     Bifurcation,
@@ -44,7 +45,7 @@ _NARROW = 1e-4
 
 
 @dataclass(frozen=True)
-class ResponseCurve:
+class ResponseCurve(Plottable, figure="response_curve:plot_curve", table="studies:response_curve_table"):
     """What the pair does over a range of one parameter, as far as it was followed."""
 
     system: System

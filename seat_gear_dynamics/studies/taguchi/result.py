@@ -7,6 +7,7 @@ from typing import Any
 
 import numpy as np
 
+from seat_gear_dynamics.plotting import Plottable
 from seat_gear_dynamics.studies.taguchi.orthogonal_arrays import OrthogonalArray
 from seat_gear_dynamics.studies.taguchi.variance import Analysis, Prediction
 
@@ -122,7 +123,7 @@ class Finding:
 
 
 @dataclass(frozen=True)
-class Study:
+class Study(Plottable, figure="main_effects:plot_study", table="studies:effects_table"):
     """A finished study: what was run, and what it says of each response."""
 
     array: OrthogonalArray

@@ -8,11 +8,12 @@ from seat_gear_dynamics.gears.units import RPM
 from seat_gear_dynamics.logs.analysis import Analysis
 from seat_gear_dynamics.logs.analysis.bands import BandStay
 from seat_gear_dynamics.views.colours import BAND, MESH_COLOURS
-from seat_gear_dynamics.views.figures.style import new_figure
+from seat_gear_dynamics.views.figures.style import in_style, new_figure
 
 _CLEAR = "#009E73"
 
 
+@in_style
 def band_stays_figure(found: Analysis) -> Any:
     """Return the figure: time in each stretch of speed, and mean (bar), rms (tick) and extremes (line) of forces."""
     names = [stretch_name(stay) for stay in found.bands]

@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 from seat_gear_dynamics.regimes.attractors import LOST, Attractor
 from seat_gear_dynamics.regimes.basins import Basins
 from seat_gear_dynamics.views.figures.regime_map import cell_edges
-from seat_gear_dynamics.views.figures.style import new_figure
+from seat_gear_dynamics.views.figures.style import in_style, new_figure
 
 Array = NDArray[np.float64]
 Axes = Any  # matplotlib ships no types for what is used here
@@ -20,6 +20,7 @@ _LOST_COLOUR = "#FFFFFF"
 _MARKERS = "os^Dvph"
 
 
+@in_style
 def basins_figure(found: Basins) -> Any:
     """Return the figure of basins: each start in the colour of the motion it settles on, and the motions' sections."""
     figure, axes = new_figure(1, 1, width=7.0, height=5.2)
@@ -52,7 +53,8 @@ def draw_basins(axes: Axes, found: Basins) -> None:
     axes.set_xlabel("initial δ / b_c of s1_s2")
     axes.set_ylabel("initial rate of δ / b_c, 1/τ")
     axes.grid(visible=False)
-    place = {"loc": "lower left", "bbox_to_anchor": (0.0, 1.0), "frameon": False, "alignment": "left"}
+    # To the left of the axes too, where a narrow figure has room for the words.
+    place = {"loc": "lower left", "bbox_to_anchor": (-0.15, 1.0), "alignment": "left", "handlelength": 1.0}
     axes.legend(handles, names, title="motion and share of the plane", **place)
 
 

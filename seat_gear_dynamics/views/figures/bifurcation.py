@@ -1,11 +1,12 @@
 """The bifurcation diagram: section points coloured by regime, up and down apart, the exponent beneath."""
 
+from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
 
 from seat_gear_dynamics.regimes.sweep import UNITS, Row, Sweep, Way
-from seat_gear_dynamics.views.figures.style import REGIME_COLOURS, new_figure
+from seat_gear_dynamics.views.figures.style import REGIME_COLOURS, chosen, in_style, legend_columns, new_figure
 
 Axes = Any  # matplotlib ships no types for what is used here
 
@@ -18,15 +19,16 @@ _NAMES = {
     "load": "load torque T4",
 }
 _WAYS: dict[Way, str] = {
-    "up": "up: each value starts where the one below ended",
-    "down": "down: each value starts where the one above ended",
-    "cold": "each value from rest at static deflection",
+    "up": "up: each goes on from the one below",
+    "down": "down: each goes on from the one above",
+    "cold": "each from rest at static deflection",
 }
 _LINES: dict[Way, tuple[str, str]] = {"up": ("^", "#009E73"), "down": ("v", "#000000"), "cold": ("o", "#000000")}
 """Marker and colour, none of them a regime's."""
 _APART = "#CC79A7"
 
 
+@in_style
 def bifurcation_figure(found: Sweep) -> Any:
     """Return the figure of a sweep: a panel of δ/b_c on the section for each direction, then the largest exponent.
 
@@ -42,13 +44,33 @@ def bifurcation_figure(found: Sweep) -> Any:
     draw_exponent(axes[-1], found)
     for panel in axes:
         _shade(panel, found)
-    unit = UNITS[found.over]
-    axes[-1].set_xlabel(_NAMES[found.over] + ("" if unit == "1" else f", {unit}"))
+    axes[-1].set_xlabel(_value_label(found))
     _legend(figure, found)
     return figure
 
 
-def draw_section(axes: Axes, rows: tuple[Row, ...]) -> None:
+def plot_sweep(axes: Axes, found: Sweep, *, panel: str = "section") -> None:
+    """Draw one panel of a sweep: `section` (points of all directions together, shaded where they differ) or `exponent`.
+
+    Raises ValueError for another panel.
+    """
+    if chosen(panel, {"section": True, "exponent": False}):
+        draw_section(axes, found.rows)
+        names = [name for name in REGIME_COLOURS if any(row.regime.name == name for row in found.rows)]
+        handles = [axes.plot([], [], "s", color=REGIME_COLOURS[name], markersize=6)[0] for name in names]
+        axes.legend(handles, names, ncols=legend_columns(axes.figure), loc="lower right", bbox_to_anchor=(1.0, 1.0))
+    else:
+        draw_exponent(axes, found)
+    _shade(axes, found)
+    axes.set_xlabel(_value_label(found))
+
+
+def _value_label(found: Sweep) -> str:
+    unit = UNITS[found.over]
+    return _NAMES[found.over] + ("" if unit == "1" else f", {unit}")
+
+
+def draw_section(axes: Axes, rows: Sequence[Row]) -> None:
     """Draw the section points of `rows`, δ/b_c over the value, in the colours of their regimes."""
     for name, colour in REGIME_COLOURS.items():
         chosen = [row for row in rows if row.regime.name == name and len(row.section)]
@@ -101,4 +123,4 @@ def _legend(figure: Any, found: Sweep) -> None:
     if found.coexisting():
         handles.append(axes.fill_between([], [], color=_APART, alpha=0.35))
         names.append("up and down differ")
-    figure.legend(handles, names, ncols=len(names), loc="outside upper right", frameon=False)
+    figure.legend(handles, names, ncols=legend_columns(figure), loc="outside upper right", frameon=False)

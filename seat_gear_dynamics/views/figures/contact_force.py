@@ -1,13 +1,14 @@
 """Figs 17 and 18 of the paper: the P12 contact force over time, one row per condition."""
 
 from collections.abc import Mapping, Sequence
+from textwrap import fill
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from seat_gear_dynamics.studies.contact_verification import ConditionRun, ForceHistory
-from seat_gear_dynamics.views.figures.style import LINE_COLOURS, Axes, new_figure
+from seat_gear_dynamics.views.figures.style import LINE_COLOURS, Axes, chosen, in_style, new_figure
 
 Array = NDArray[np.float64]
 
@@ -18,6 +19,7 @@ LOAD_CONDITIONS = (7, 8, 9)
 _SHOWN_PERIODS = 4.0
 
 
+@in_style
 def contact_force_figure(
     runs: Mapping[int, ConditionRun], starts: Mapping[int, ForceHistory], numbers: Sequence[int]
 ) -> tuple[Any, Any]:
@@ -47,6 +49,24 @@ def contact_force_figure(
     for axis in axes[:, :2].flat:
         axis.set_ylim(bottom=0)
     return figure, axes
+
+
+def plot_condition(axes: Axes, run: ConditionRun, *, panel: str = "run") -> None:
+    """Draw the force of s1_s2: the whole `run` as sampled, or some mesh periods once `settled`; dashed: static.
+
+    Raises ValueError for another panel.
+    """
+    history = run.history
+    if chosen(panel, {"run": True, "settled": False}):
+        _draw(axes, history.time, history.force, run.static, LINE_COLOURS[0])
+        axes.set_xlabel("time, s")
+        axes.set_ylim(bottom=0)
+    else:
+        shown = _periods(run)
+        time = (history.time[shown] - run.settled_from) * 1e3
+        _draw(axes, time, history.force[shown], run.static, LINE_COLOURS[0])
+        axes.set_xlabel("time since it settled, ms")
+    axes.set(ylabel="contact force of s1_s2, kN", title=fill(run.condition.name, 48))
 
 
 def _draw(axis: Axes, time: Array, force: Array, static: float, colour: str) -> None:

@@ -4,7 +4,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
-from seat_gear_dynamics.views.figures.style import LINE_COLOURS, Axes, new_figure
+from seat_gear_dynamics.views.figures.style import LINE_COLOURS, Axes, in_style, new_figure
 
 _MARKS = "osD^"
 
@@ -40,6 +40,7 @@ class CostPanel:
     curves: Sequence[CostCurve]
 
 
+@in_style
 def cost_figure(panels: Sequence[CostPanel], *, title: str = "") -> Any:
     """Return the figure: a panel for each quantity, both axes logarithmic, the limit of each curve dashed.
 

@@ -6,9 +6,10 @@ import numpy as np
 
 from seat_gear_dynamics.logs.analysis import Analysis
 from seat_gear_dynamics.views.colours import LEVEL_COLOURS, LEVEL_NAMES
-from seat_gear_dynamics.views.figures.style import REGIME_COLOURS, Axes, new_figure
+from seat_gear_dynamics.views.figures.style import REGIME_COLOURS, Axes, in_style, new_figure
 
 
+@in_style
 def detection_figure(found: Analysis) -> Any:
     """Return the figure: each stay in a band with its delay and lead, and seconds by regime and level."""
     figure, axes = new_figure(1, 2, width=10.5, height=3.6, width_ratios=(1.5, 1))

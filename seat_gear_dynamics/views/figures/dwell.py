@@ -8,12 +8,13 @@ from numpy.typing import NDArray
 from seat_gear_dynamics.gears.units import RPM
 from seat_gear_dynamics.logs.analysis import Analysis
 from seat_gear_dynamics.logs.analysis.dwells import Dwell
-from seat_gear_dynamics.views.figures.style import LINE_COLOURS, Axes, new_figure
+from seat_gear_dynamics.views.figures.style import LINE_COLOURS, Axes, in_style, new_figure
 
 Array = NDArray[np.float64]
 _RECORDED, _MODEL = LINE_COLOURS[1], LINE_COLOURS[0]
 
 
+@in_style
 def dwell_figure(found: Analysis, dwell: Dwell) -> Any:
     """Return the figure of s1_s2 in a dwell.
 

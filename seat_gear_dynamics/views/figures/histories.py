@@ -8,9 +8,10 @@ from seat_gear_dynamics.gears.units import RPM
 from seat_gear_dynamics.logs.analysis import Analysis
 from seat_gear_dynamics.logs.analysis.histories import Binned
 from seat_gear_dynamics.views.colours import BAND, LEVEL_COLOURS, LEVEL_NAMES, LOAD, MESH_COLOURS, SPEED
-from seat_gear_dynamics.views.figures.style import Axes, new_figure
+from seat_gear_dynamics.views.figures.style import Axes, in_style, new_figure
 
 
+@in_style
 def histories_figure(found: Analysis) -> Any:
     """Return the figure: lines are means over a bin of time, shades reach from the smallest to the largest value."""
     figure, axes = new_figure(4, 1, width=10.5, height=8.0, sharex=True, height_ratios=(2, 1, 1.3, 1.3))

@@ -4,7 +4,8 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
-from seat_gear_dynamics.views.figures.style import LINE_COLOURS, Axes, new_figure
+from seat_gear_dynamics.studies.taguchi.result import Study
+from seat_gear_dynamics.views.figures.style import LINE_COLOURS, Axes, chosen, in_style, new_figure
 
 _KEPT, _POOLED, _BEST = LINE_COLOURS[0], "#9A9A9A", LINE_COLOURS[1]
 
@@ -25,6 +26,7 @@ class MainEffect:
     """True for a factor that is counted into the error; drawn grey and broken."""
 
 
+@in_style
 def main_effects(effects: Sequence[MainEffect], *, mean: float, title: str) -> Any:
     """Return a figure with one panel for each factor, on one scale of dB; the best level is ringed.
 
@@ -48,14 +50,54 @@ def main_effects(effects: Sequence[MainEffect], *, mean: float, title: str) -> A
     return figure
 
 
+def plot_study(axes: Axes, study: Study, *, response: str = "") -> None:
+    """Draw the main effects on `response`, by default the first one analysed, all factors side by side in one panel.
+
+    Pooled factors are grey and broken; the best level is ringed. Raises ValueError where the response is not among
+    those that carry an analysis.
+    """
+    analysed = {name: finding.analysis for name, finding in study.findings.items() if finding.analysis is not None}
+    response = response or next(iter(analysed), response)
+    analysis = chosen(response, analysed)
+    first = 0
+    ticks: dict[int, str] = {}
+    for factor, source in zip(study.factors, analysis.factors, strict=True):
+        ratios = analysis.effects[factor.name]
+        places = list(range(first, first + len(ratios)))
+        _draw_effect(axes, places, ratios, pooled=source.pooled)
+        title = f"{factor.name}, {factor.unit}\n{source.contribution:.1%}"
+        axes.annotate(
+            title,
+            (sum(places) / len(places), 1.0),
+            (0, 4),
+            xycoords=axes.get_xaxis_transform(),
+            textcoords="offset points",
+            ha="center",
+            fontsize=7,
+        )
+        ticks |= {place: f"{level:.3g}" for place, level in zip(places, factor.levels, strict=True)}
+        first += len(ratios) + 1
+    axes.axhline(analysis.mean, color="#000000", linewidth=0.8, linestyle=":")
+    axes.set_xticks(list(ticks), list(ticks.values()), rotation=90)
+    axes.set(
+        xlabel="level of the factor; above: its unit and share",
+        ylabel=f"mean S/N ratio of {response}, dB",
+    )
+
+
 def _draw(panel: Axes, effect: MainEffect, mean: float) -> None:
     places = range(len(effect.levels))
-    best = max(places, key=lambda place: effect.ratios[place])
-    colour = _POOLED if effect.pooled else _KEPT
     panel.axhline(mean, color="#000000", linewidth=0.8, linestyle=":")
-    panel.plot(places, effect.ratios, color=colour, linestyle="--" if effect.pooled else "-", marker="o", markersize=4)
-    panel.plot(best, effect.ratios[best], marker="o", markersize=10, markerfacecolor="none", color=_BEST)
+    _draw_effect(panel, places, effect.ratios, pooled=effect.pooled)
     panel.set_xticks(list(places), [f"{value:.4g}" for value in effect.levels])
     panel.set_xlim(-0.4, len(effect.levels) - 0.6)
     panel.set_xlabel(f"{effect.name}\n({effect.unit})")
     panel.set_title(f"{effect.contribution:.1%}{' pooled' if effect.pooled else ''}", fontweight="normal", fontsize=9)
+
+
+def _draw_effect(axes: Axes, places: Sequence[int], ratios: Sequence[float], *, pooled: bool) -> None:
+    best = max(range(len(ratios)), key=lambda index: ratios[index])
+    axes.plot(
+        places, ratios, color=_POOLED if pooled else _KEPT, linestyle="--" if pooled else "-", marker="o", markersize=4
+    )
+    axes.plot(places[best], ratios[best], marker="o", markersize=10, markerfacecolor="none", color=_BEST)

@@ -8,13 +8,15 @@ import numpy as np
 from seat_gear_dynamics.gears import GearTrain
 from seat_gear_dynamics.logs.analysis import mesh_orders
 from seat_gear_dynamics.logs.analysis.model import DwellMotion
+from seat_gear_dynamics.logs.analysis.order_spectrum import OrderSpectrum
 from seat_gear_dynamics.views.colours import MESH_COLOURS
 from seat_gear_dynamics.views.figures.dwell import dwell_title
-from seat_gear_dynamics.views.figures.style import Axes, new_figure
+from seat_gear_dynamics.views.figures.style import Axes, in_style, new_figure
 
 _FLOOR = 1e-2  # N; what lies below is rounding and window
 
 
+@in_style
 def order_spectrum_figure(train: GearTrain, motions: Sequence[DwellMotion]) -> Any:
     """Return the figure: a row a dwell, amplitude over order of s1; triangles above mark the mesh orders."""
     shown = [motion for motion in motions if motion.spectra]
@@ -31,6 +33,14 @@ def order_spectrum_figure(train: GearTrain, motions: Sequence[DwellMotion]) -> A
     names = [f"{m.name}{what}" for what in ("", ", mesh orders") for m in train.meshes]
     figure.legend([*handles, *marks], names, ncols=4, loc="outside upper right", frameon=False)
     return figure
+
+
+def plot_spectrum(axes: Axes, found: OrderSpectrum) -> None:
+    """Draw one spectrum, amplitude over order of s1."""
+    axes.semilogy(found.orders, np.maximum(found.amplitude, _FLOOR), color=MESH_COLOURS[0], linewidth=0.8)
+    axes.set(xlabel="order: events per revolution of s1", ylabel="amplitude of the force, N")
+    axes.set_xlim(0, float(found.orders[-1]))
+    axes.set_ylim(bottom=_FLOOR)
 
 
 def _draw(axes: Axes, train: GearTrain, motion: DwellMotion) -> None:

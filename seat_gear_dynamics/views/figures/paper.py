@@ -11,7 +11,14 @@ from seat_gear_dynamics.studies.reproduction.survey import Seen
 from seat_gear_dynamics.views.figures.contact_force import CLEARANCE_CONDITIONS, LOAD_CONDITIONS, contact_force_figure
 from seat_gear_dynamics.views.figures.motion import draw_motion
 from seat_gear_dynamics.views.figures.response_curve import response_curve_figure
-from seat_gear_dynamics.views.figures.style import LINE_COLOURS, REGIME_COLOURS, Axes, new_figure
+from seat_gear_dynamics.views.figures.style import (
+    LINE_COLOURS,
+    REGIME_COLOURS,
+    Axes,
+    in_style,
+    legend_columns,
+    new_figure,
+)
 
 
 def paper_figures(found: Reproduction) -> dict[str, tuple[str, Any]]:
@@ -62,21 +69,25 @@ def _figures(found: Reproduction) -> Iterator[tuple[str, tuple[str, Any]]]:
     yield "response_curve", ("Announced: response curve by harmonic balance, 600 N·m, crosses are integrations", curve)
 
 
+@in_style
 def stiffness_figure(mesh: Mesh) -> Any:
     """Return the computed mesh stiffness over two mesh periods, and what the model keeps of it."""
     figure, axes = new_figure(width=7.0, height=3.4)
     computed = mesh.computed_stiffness
     phase = np.concatenate([computed.phase, computed.phase + 1])
-    axes.plot(phase, np.tile(computed.values, 2), color=LINE_COLOURS[0], label="computed, potential-energy method")
+    axes.plot(
+        phase, np.tile(computed.values, 2) / 1e8, color=LINE_COLOURS[0], label="computed, potential-energy method"
+    )
     label = f"in the equations: {mesh.stiffness_harmonics} harmonics"
     if mesh.scale_to_mean:
         label += f", scaled to {mesh.mean_stiffness:.4g} N/m"
-    axes.plot(phase, mesh.stiffness.value(phase), color=LINE_COLOURS[1], linestyle="--", label=label)
-    axes.set(xlabel="mesh phase, periods", ylabel="mesh stiffness, N/m", ylim=(0, None))
+    axes.plot(phase, mesh.stiffness.value(phase) / 1e8, color=LINE_COLOURS[1], linestyle="--", label=label)
+    axes.set(xlabel="mesh phase, periods", ylabel="mesh stiffness, 10⁸ N/m", ylim=(0, None))
     figure.legend(loc="outside upper left", ncols=2, fontsize=8)
     return figure
 
 
+@in_style
 def bifurcation_figure(panels: Mapping[str, tuple[Sequence[float], Sequence[Seen]]], xlabel: str) -> Any:
     """Return section points over a parameter, a panel each for title -> (values, what was seen), colours by regime."""
     figure, axes = new_figure(
@@ -84,10 +95,12 @@ def bifurcation_figure(panels: Mapping[str, tuple[Sequence[float], Sequence[Seen
     )
     for axis, (title, (values, seen)) in zip(axes[:, 0], panels.items(), strict=True):
         _scatter(axis, values, seen)
-        axis.set(title=title, ylabel="δ/b_c at mesh phase 0")
+        axis.set(title=title, ylabel="δ / b_c at mesh phase 0")
     axes[-1, 0].set_xlabel(xlabel)
-    handles = [axes[0, 0].plot([], [], "s", color=colour)[0] for colour in REGIME_COLOURS.values()]
-    figure.legend(handles, list(REGIME_COLOURS), loc="outside upper right", ncols=4)
+    met = {each.regime.name for _, found in panels.values() for each in found if each.regime}
+    present: list[str] = [name for name in REGIME_COLOURS if name in met]
+    handles = [axes[0, 0].plot([], [], "s", color=REGIME_COLOURS[name], markersize=6)[0] for name in present]
+    figure.legend(handles, present, loc="outside upper right", ncols=legend_columns(figure))
     return figure
 
 

@@ -8,11 +8,12 @@ from seat_gear_dynamics.gears.units import RPM
 from seat_gear_dynamics.logs.analysis import Analysis
 from seat_gear_dynamics.views.colours import BAND
 from seat_gear_dynamics.views.figures.bifurcation import draw_section
-from seat_gear_dynamics.views.figures.style import REGIME_COLOURS, Axes, new_figure
+from seat_gear_dynamics.views.figures.style import REGIME_COLOURS, Axes, in_style, new_figure
 
 _WAYS = ((1, "up", "run-up"), (-1, "down", "run-down"))
 
 
+@in_style
 def recorded_bifurcation_figure(found: Analysis) -> Any:
     """Return the figure: recorded section points above, the model's adiabatic sweep below; shaded are the bands.
 

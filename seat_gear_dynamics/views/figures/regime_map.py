@@ -8,12 +8,13 @@ from numpy.typing import NDArray
 
 from seat_gear_dynamics.gears.units import RPM
 from seat_gear_dynamics.regimes.regime_map import NAMES, RegimeMap
-from seat_gear_dynamics.views.figures.style import REGIME_COLOURS, new_figure
+from seat_gear_dynamics.views.figures.style import REGIME_COLOURS, chosen, in_style, legend_columns, new_figure
 
 Array = NDArray[np.float64]
 Axes = Any  # matplotlib ships no types for what is used here
 
 
+@in_style
 def regime_map_figure(found: RegimeMap, *, threshold: float = 0.5) -> Any:
     """Return the figure of a map: regimes, with the bands at each load marked.
 
@@ -28,6 +29,16 @@ def regime_map_figure(found: RegimeMap, *, threshold: float = 0.5) -> Any:
         draw_bands(axes[1, 0], found, threshold)
     axes[-1, 0].set_xlabel("speed of s1, r/min")
     return figure
+
+
+def plot_map(axes: Axes, found: RegimeMap, *, panel: str = "regimes", threshold: float = 0.5) -> None:
+    """Draw one panel of a map, `regimes` or `chaos` (its probability), with the bands from `threshold` on.
+
+    Raises ValueError for another panel.
+    """
+    chosen(panel, {"regimes": draw_regimes, "chaos": draw_probability})(axes, found)
+    draw_bands(axes, found, threshold)
+    axes.set_xlabel("speed of s1, r/min")
 
 
 def draw_regimes(axes: Axes, found: RegimeMap) -> None:
@@ -51,7 +62,8 @@ def draw_probability(axes: Axes, found: RegimeMap) -> None:
     """Draw the probability of chaos at each node."""
     edges = cell_edges(found.speeds / RPM), cell_edges(found.loads)
     mesh = axes.pcolormesh(*edges, found.chaos, cmap="cividis", vmin=0, vmax=1, rasterized=True)
-    axes.figure.colorbar(mesh, ax=axes, label=f"probability of chaos, {found.samples} machines")
+    machines = f"{found.samples} machines" if found.samples else "one machine: 0, ½ or 1"
+    axes.figure.colorbar(mesh, ax=axes, label=f"probability of chaos, {machines}")
     _finish(axes, [], [])
 
 
@@ -76,7 +88,8 @@ def _finish(axes: Axes, handles: list[Any], labels: list[str]) -> None:
         axes.legend(
             handles,
             labels,
-            ncols=6,
+            ncols=legend_columns(axes.figure),
+            handlelength=1.2,
             columnspacing=1.2,
             handletextpad=0.3,
             loc="lower left",

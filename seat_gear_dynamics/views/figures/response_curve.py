@@ -6,7 +6,7 @@ from typing import Any
 import numpy as np
 
 from seat_gear_dynamics.studies.harmonic_balance import Agreement, Branch, ResponseCurve
-from seat_gear_dynamics.views.figures.style import LINE_COLOURS, new_figure
+from seat_gear_dynamics.views.figures.style import LINE_COLOURS, Axes, chosen, in_style, legend_columns, new_figure
 
 PARAMETER_LABELS = {
     "frequency": ("mesh frequency Ω of s1_s2, dimensionless", 1.0),
@@ -15,10 +15,12 @@ PARAMETER_LABELS = {
     "backlash": ("backlash b, µm", 1e6),
 }
 """Of each parameter: axis label with its unit, and what SI values are multiplied by to be in it."""
+_PANELS = {"rms": "rms of δ, µm", "contact_loss": "out of contact, %", "force_max": "largest mesh force, kN"}
 
 MARKERS = {"fold": "o", "branch point": "X", "period doubling": "s", "Neimark-Sacker": "^"}
 
 
+@in_style
 def response_curve_figure(curve: ResponseCurve, agreements: Sequence[Agreement] = ()) -> tuple[Any, Any]:
     """Return (figure, three axes): rms of δ about its mean in µm, share out of contact in %, largest force in kN.
 
@@ -34,7 +36,7 @@ def response_curve_figure(curve: ResponseCurve, agreements: Sequence[Agreement] 
     _draw_agreements(axes[0], curve, agreements, unit)
     load = f" at {curve.system.operating_point.load:g} N·m" if curve.parameter != "load" else ""
     axes[0].set_title(f"Periodic motions of s1_s2{load} by harmonic balance")
-    for ax, text in zip(axes, ("rms of δ, µm", "out of contact, %", "largest mesh force, kN"), strict=True):
+    for ax, text in zip(axes, _PANELS.values(), strict=True):
         ax.set_ylabel(text)
         ax.set_ylim(bottom=0)
     axes[-1].set_xlabel(label)
@@ -43,8 +45,25 @@ def response_curve_figure(curve: ResponseCurve, agreements: Sequence[Agreement] 
     return figure, axes
 
 
-def _draw_branch(axes: Any, branch: Branch, unit: float) -> None:
-    """Draw one branch on all axes; each line is drawn twice, with gaps where the other style holds."""
+def plot_curve(axes: Axes, curve: ResponseCurve, *, panel: str = "rms") -> None:
+    """Draw one panel of a curve: `rms` of δ with its bifurcations, `contact_loss` or `force_max`.
+
+    Raises ValueError for another panel.
+    """
+    row = chosen(panel, {name: n for n, name in enumerate(_PANELS)})
+    label, unit = PARAMETER_LABELS[curve.parameter]
+    for branch in curve.branches:
+        _draw_branch([axes if n == row else None for n in range(len(_PANELS))], branch, unit)
+    if panel == "rms":
+        _draw_bifurcations(axes, curve, unit)
+    axes.set(xlabel=label, ylabel=_PANELS[panel], xlim=(curve.low * unit, curve.high * unit))
+    axes.set_ylim(bottom=0)
+    place = {"loc": "lower left", "bbox_to_anchor": (-0.1, 1.0), "ncols": legend_columns(axes.figure, most=4)}
+    axes.legend(*_once(axes), **place)
+
+
+def _draw_branch(axes: Sequence[Axes | None], branch: Branch, unit: float) -> None:
+    """Draw one branch on all axes that there are; each line is drawn twice, with gaps where the other style holds."""
     pair, colour = branch.balance.pair, _colour(branch.subharmonics)
     quantities = (
         [m.rms * pair.length_unit * 1e6 for m in branch.motions],
@@ -55,6 +74,8 @@ def _draw_branch(axes: Any, branch: Branch, unit: float) -> None:
     pieces = stable[1:] & stable[:-1]
     name = f"period {branch.subharmonics}"
     for ax, values in zip(axes, quantities, strict=True):
+        if ax is None:
+            continue
         y = np.array(values)
         for wanted, style, text in ((True, "-", name), (False, "--", f"{name}, unstable")):
             xs, ys = _pieces(x, y, pieces == wanted)
@@ -104,9 +125,13 @@ def _draw_agreements(ax: Any, curve: ResponseCurve, agreements: Sequence[Agreeme
 
 def _legend(ax: Any) -> None:
     """Put each name once beside the axes."""
+    ax.legend(*_once(ax), loc="upper left", bbox_to_anchor=(1.01, 1.0), frameon=False, fontsize=8)
+
+
+def _once(ax: Any) -> tuple[list[Any], list[str]]:
     handles, labels = ax.get_legend_handles_labels()
     once = dict(zip(labels, handles, strict=True))
-    ax.legend(once.values(), once.keys(), loc="upper left", bbox_to_anchor=(1.01, 1.0), frameon=False, fontsize=8)
+    return list(once.values()), list(once)
 
 
 def _colour(period: int) -> str:

@@ -9,9 +9,10 @@ from seat_gear_dynamics.gears.units import RPM
 from seat_gear_dynamics.logs.analysis import Analysis
 from seat_gear_dynamics.views.colours import BAND
 from seat_gear_dynamics.views.figures.regime_map import draw_regimes
-from seat_gear_dynamics.views.figures.style import Axes, new_figure
+from seat_gear_dynamics.views.figures.style import Axes, in_style, new_figure
 
 
+@in_style
 def trajectory_figure(found: Analysis) -> Any:
     """Return the figure: dots where the drive was, larger and darker the longer; hatched are the system's bands."""
     figure, axes = new_figure(width=9.5, height=5.0)

@@ -4,11 +4,12 @@ from math import isnan
 from typing import Any
 
 from seat_gear_dynamics.studies.work_precision import WorkPrecision
-from seat_gear_dynamics.views.figures.style import LINE_COLOURS, Axes, new_figure
+from seat_gear_dynamics.views.figures.style import LINE_COLOURS, Axes, chosen, in_style, legend_columns, new_figure
 
 _MARKS = "osD^vPX<>"
 
 
+@in_style
 def work_precision_figure(found: WorkPrecision) -> Any:
     """Return the figure: a column for each case, above over evaluations and below, where measured, over time.
 
@@ -31,6 +32,24 @@ def work_precision_figure(found: WorkPrecision) -> Any:
         axes[row, 0].set_ylabel("error of the final state, b_c")
     axes[0, -1].legend(loc="upper left", bbox_to_anchor=(1.02, 1.0))
     return figure
+
+
+def plot_work_precision(axes: Axes, found: WorkPrecision, *, case: str = "", in_time: bool = False) -> None:
+    """Draw one case, by default the first, over evaluations or, where it was measured, `in_time`.
+
+    Raises ValueError for another case, and for time where none was taken.
+    """
+    references = {each.name: end for each, end in zip(found.cases, found.references, strict=True)}
+    case = case or next(iter(references), case)
+    end = chosen(case, references)
+    if in_time and all(isnan(m.seconds) for m in found.measurements):
+        raise ValueError("The study holds no times, expected seconds; run it with a clock, or draw over evaluations.")
+    solvers = list(dict.fromkeys(m.solver for m in found.measurements))
+    _draw(axes, found, case, solvers, in_time=in_time)
+    axes.axhspan(0, max(end.uncertainty, 1e-16), color="#DDDDDD", zorder=0)
+    axes.set(ylabel="error of the final state, b_c")
+    columns = legend_columns(axes.figure, most=4)
+    axes.legend(title=case, loc="lower left", bbox_to_anchor=(-0.1, 1.0), ncols=columns)
 
 
 def _draw(axes: Axes, found: WorkPrecision, case: str, solvers: list[str], *, in_time: bool) -> None:
