@@ -1,14 +1,15 @@
-"""`seat-gear calibrate`: identify the parameters that the paper leaves open from its claims."""
+"""`seat-gear calibrate`: identify parameters from a measured bench, or from the paper's claims what it leaves open."""
 
 import argparse
 import json
 import sys
 
+from seat_gear_dynamics.commands import calibrate_log
 from seat_gear_dynamics.commands.texts import Texts
 
 TEXTS = {
     "calibrate": Texts(
-        "identify what the paper leaves open from its claims C1-C5 and C7-C10",
+        "fit the model to a recorded bench, or without a LOG to the paper's claims C1-C5 and C7-C10",
         "seat-gear calibrate --evaluations 160 --seed 1",
     )
 }
@@ -16,6 +17,7 @@ TEXTS = {
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Add the command's own arguments."""
+    calibrate_log.add_arguments(parser)
     parser.add_argument("--evaluations", type=int, default=3200, metavar="N", help="sets tried (default 3200)")
     parser.add_argument("--seed", type=int, default=1, metavar="S", help="of the search (default 1)")
     parser.add_argument(
@@ -24,7 +26,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--harmonics", type=int, metavar="H", help="Fourier harmonics of the mesh stiffness (default: the system's)"
     )
-    parser.add_argument("--output", metavar="F.yaml", help="write the system with the set that was found")
+    parser.add_argument("--output", metavar="PATH", help="F.yaml for the set that was found; with a LOG a folder")
     parser.add_argument(
         "--sensitivity", action="store_true", help="do not search: how far may each parameter drift on its own"
     )
@@ -34,6 +36,8 @@ def run(arguments: argparse.Namespace) -> int:
     """Search, or measure the sensitivity, and print."""
     from seat_gear_dynamics.gears import load_train
 
+    if arguments.log is not None:
+        return calibrate_log.run(arguments)
     train = load_train(arguments.system)
     return _sensitivity(train, arguments) if arguments.sensitivity else _search(train, arguments)
 
@@ -42,6 +46,7 @@ def _search(train: object, arguments: argparse.Namespace) -> int:
     from pathlib import Path
 
     from seat_gear_dynamics.commands.errors import CommandError
+    from seat_gear_dynamics.commands.progress import progress
     from seat_gear_dynamics.gears import GearTrain
     from seat_gear_dynamics.studies.calibration.describe import described
     from seat_gear_dynamics.studies.calibration.freedom import FREEDOMS
@@ -49,20 +54,23 @@ def _search(train: object, arguments: argparse.Namespace) -> int:
 
     assert isinstance(train, GearTrain)
 
-    def report(done: int, best: Candidate) -> None:
-        if not arguments.json:
-            scores = "  ".join(f"{claim} {score:.2f}" for claim, score in best.scores.items())
-            print(f"{done:6d}  cost {best.cost:.3f}  {scores}", file=sys.stderr, flush=True)
-
     try:
-        best = search(
-            train,
-            harmonics=arguments.harmonics or train.meshes[0].stiffness_harmonics,
-            evaluations=arguments.evaluations,
-            seed=arguments.seed,
-            step=arguments.step,
-            report=report,
-        )
+        with progress("sets tried", quiet=arguments.json) as tell:
+
+            def report(done: int, best: Candidate) -> None:
+                if not arguments.json:
+                    scores = "  ".join(f"{claim} {score:.2f}" for claim, score in best.scores.items())
+                    print(f"{done:6d}  cost {best.cost:.3f}  {scores}", file=sys.stderr, flush=True)
+                tell(done, arguments.evaluations)
+
+            best = search(
+                train,
+                harmonics=arguments.harmonics or train.meshes[0].stiffness_harmonics,
+                evaluations=arguments.evaluations,
+                seed=arguments.seed,
+                step=arguments.step,
+                report=report,
+            )
     except ModuleNotFoundError as error:
         raise CommandError(
             "The search needs the package cma, which is not installed: pip install seat_gear_dynamics[calibration]."
@@ -85,13 +93,15 @@ def _search(train: object, arguments: argparse.Namespace) -> int:
 def _sensitivity(train: object, arguments: argparse.Namespace) -> int:
     from dataclasses import asdict
 
+    from seat_gear_dynamics.commands.progress import progress
     from seat_gear_dynamics.gears import GearTrain
     from seat_gear_dynamics.studies.calibration.sensitivity import sensitivity
 
     assert isinstance(train, GearTrain)
-    drifts = sensitivity(train)
+    with progress("parameters", quiet=arguments.json) as tell:
+        drifts = sensitivity(train, progress=tell)
     if arguments.json:
-        print(json.dumps([asdict(d) for d in drifts]))
+        print(json.dumps({"drifts": [asdict(d) for d in drifts]}))
         return 0
     print(f"{'parameter':>11s}{'value':>12s}{'may fall by':>13s}  {'then lost':18s}{'may rise by':>12s}  then lost")
     for d in drifts:
