@@ -42,9 +42,7 @@ BUSY = "while True: pass"
 PERCENTILES = (50.0, 99.0, 99.9)
 
 
-def measure(
-    *, short: bool = False, rate: float = RATE, progress: Callable[[str], None] | None = None
-) -> Findings:
+def measure(*, short: bool = False, rate: float = RATE, progress: Callable[[str], None] | None = None) -> Findings:
     """Return the latencies idle and with every core busy, ms."""
     count = SHORT if short else FULL
     figures: dict[str, Any] = {"machine": machine.description(), "samples": count, "rate_hz": rate}
@@ -63,10 +61,13 @@ def measure(
 def run(count: int, rate: float) -> dict[str, Any]:
     """Return one condition's figures: percentiles of trip and warning, ms, and how many samples went unanswered."""
     domain = random.SystemRandom().randrange(1, 200)
-    with tempfile.TemporaryDirectory(prefix="seat_gear_latency_") as folder, monitor(domain, Path(folder)):
-        with Bench(domain) as bench:
-            bench.ready()
-            found = [bench.sample(rate) for _ in range(count + 20)][20:]
+    with (
+        tempfile.TemporaryDirectory(prefix="seat_gear_latency_") as folder,
+        monitor(domain, Path(folder)),
+        Bench(domain) as bench,
+    ):
+        bench.ready()
+        found = [bench.sample(rate) for _ in range(count + 20)][20:]
     return {name: spread([one[name] for one in found if one]) for name in ("trip", "warning")} | {
         "unanswered": sum(one is None for one in found)
     }

@@ -6,6 +6,8 @@ import sys
 from collections.abc import Sequence
 from contextlib import AbstractContextManager, nullcontext
 from importlib import import_module
+from textwrap import fill
+from typing import NoReturn
 
 from seat_gear_dynamics import __version__
 
@@ -68,13 +70,37 @@ def _expected() -> tuple[type[Exception], ...]:
     from seat_gear_dynamics.commands.errors import CommandError
     from seat_gear_dynamics.gears.errors import DescriptionError
     from seat_gear_dynamics.logs.errors import LogError
+    from seat_gear_dynamics.runtime.exceptions import RCLError
 
-    return (BenchError, CommandError, DescriptionError, LogError, OSError)
+    return (BenchError, CommandError, DescriptionError, LogError, RCLError, OSError)
+
+
+class _Parser(argparse.ArgumentParser):
+    """Tells wrong use as every other error: in one line."""
+
+    def error(self, message: str) -> NoReturn:
+        """Say what is wrong and end with 2."""
+        self.exit(2, f"error: {message}; `{self.prog} --help` shows what is right\n")
+
+
+class _Formatter(argparse.RawDescriptionHelpFormatter):
+    """Wraps sentences, keeps the lines of an example, and has a column in which every command's name fits."""
+
+    def __init__(self, prog: str) -> None:
+        super().__init__(prog)
+        # argparse leaves out the indentation of the list of commands, and then breaks the line after long names.
+        self._action_max_length = max(len(name) for name in COMMANDS) + 2 * self._indent_increment
+
+    def _fill_text(self, text: str, width: int, indent: str) -> str:
+        return super()._fill_text(text if "\n" in text else fill(text, width), width, indent)
 
 
 def _parser() -> argparse.ArgumentParser:
-    parser = argparse.ArgumentParser(
+    from seat_gear_dynamics.commands.texts import broken
+
+    parser = _Parser(
         prog="seat-gear",
+        formatter_class=_Formatter,
         description="Virtual sensor and rattle warning for car-seat height adjusters.",
         epilog="Start with: seat-gear bench --duration 60",
     )
@@ -87,8 +113,8 @@ def _parser() -> argparse.ArgumentParser:
             name,
             help=texts.help,
             description=texts.help,
-            epilog=f"example:\n  {texts.example}",
-            formatter_class=argparse.RawDescriptionHelpFormatter,
+            epilog=f"example:\n  {broken(texts.example)}",
+            formatter_class=_Formatter,
         )
         command.add_argument(
             "--system", metavar="FILE", help="system description (default: the packaged height adjuster)"

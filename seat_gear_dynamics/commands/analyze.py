@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 from seat_gear_dynamics.commands.texts import Texts
 
 if TYPE_CHECKING:
+    from seat_gear_dynamics.commands.progress import Tell
     from seat_gear_dynamics.gears import GearTrain
     from seat_gear_dynamics.logs.analysis import Analysis
     from seat_gear_dynamics.regimes import RegimeMap
@@ -40,7 +41,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def run(arguments: argparse.Namespace) -> int:
     """Analyse, write page, figures and tables, print the summary."""
-    from seat_gear_dynamics.commands.progress import stages
+    from seat_gear_dynamics.commands.progress import progress, stages
     from seat_gear_dynamics.logs.analysis import ModelSettings, Source, analyse
 
     train = _train(arguments.log, arguments.system)
@@ -58,23 +59,29 @@ def run(arguments: argparse.Namespace) -> int:
             processes=(cpu_count() or 1) if arguments.processes is None else arguments.processes,
             tell=tell,
         )
-    values, lines = _write(found, _folder(arguments.log, arguments.output), parquet=arguments.parquet)
+    with progress("figures", quiet=arguments.json) as drawn:
+        values, lines = _write(found, _folder(arguments.log, arguments.output), drawn, parquet=arguments.parquet)
     print(json.dumps(values) if arguments.json else "\n".join(lines))
     return 0
 
 
-def report(log: Path, output: Path | None, system: str | None) -> tuple[dict[str, Any], list[str]]:
+def report(
+    log: Path, output: Path | None, system: str | None, *, quiet: bool = False
+) -> tuple[dict[str, Any], list[str]]:
     """Write the one-page picture report.png for `log`; return the summary as plain values and as lines.
 
     The forbidden bands are those of `system`, or of the description that the log keeps, or the packaged one's.
+    `quiet` says nothing of the progress.
     """
+    from seat_gear_dynamics.commands.progress import stages
     from seat_gear_dynamics.logs.analysis import analyse
     from seat_gear_dynamics.logs.analysis.overview import overview
     from seat_gear_dynamics.views.analysis import summary
     from seat_gear_dynamics.views.report import summary_lines
 
     train = _train(log, system)
-    found = analyse(log, train)
+    with stages(quiet=quiet) as tell:
+        found = analyse(log, train, tell=tell)
     picture = _picture(found, _folder(log, output))
     lines = [*summary_lines(overview(found)), f"log:    {log}", f"report: {picture}"]
     return {**summary(found), "report": str(picture)}, lines
@@ -116,7 +123,7 @@ def _picture(found: "Analysis", folder: Path) -> Path:
     return path
 
 
-def _write(found: "Analysis", folder: Path, *, parquet: bool) -> tuple[dict[str, Any], list[str]]:
+def _write(found: "Analysis", folder: Path, tell: "Tell", *, parquet: bool) -> tuple[dict[str, Any], list[str]]:
     """Write everything to `folder`; return the summary as values and as lines."""
     from seat_gear_dynamics import __version__
     from seat_gear_dynamics.logs.analysis.tables import tables, write_tables
@@ -131,6 +138,7 @@ def _write(found: "Analysis", folder: Path, *, parquet: bool) -> tuple[dict[str,
         path = folder / "figures" / f"{drawn.name}.png"
         save(drawn.figure, path)
         pictures.append(Picture(path, drawn.section, drawn.caption, drawn.tables))
+        tell(len(pictures), 0)
     html = folder / "report.html"
     html.write_text(page(found, pictures, version=__version__), encoding="utf-8")
     picture = _picture(found, folder)

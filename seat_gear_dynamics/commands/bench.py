@@ -53,7 +53,9 @@ def run(arguments: argparse.Namespace) -> int:
         dashboard=arguments.dashboard,
     )
     ended = bench.run()
-    values, lines = report(bench.output, None, arguments.system)
+    if not bench.output.exists():  # Ctrl-C came before the recorder had made its log
+        raise KeyboardInterrupt
+    values, lines = report(bench.output, None, arguments.system, quiet=arguments.json)
     values["ended"] = ended
     print(json.dumps(values) if arguments.json else "\n".join(["", *lines]))
     return 0

@@ -1,33 +1,31 @@
 """One run of the bench: start the three processes in order, watch them live, end them in order."""
 
-import signal
+import shutil
 import tempfile
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from datetime import datetime
 from pathlib import Path
 from time import monotonic
-from types import FrameType
 
 import rclpy
 from rclpy.node import Node
 from rich.console import Console
-from rich.live import Live
 
 from seat_gear_dynamics.bench.profiles import profile
 from seat_gear_dynamics.commands.children import Child
 from seat_gear_dynamics.commands.dashboard_run import Dashboard, Settings
 from seat_gear_dynamics.commands.errors import CommandError
 from seat_gear_dynamics.commands.listener import Listener
+from seat_gear_dynamics.commands.watching import Told, told, watch
 from seat_gear_dynamics.gears import load_train
 from seat_gear_dynamics.gears.units import RPM
 from seat_gear_dynamics.logs import topics
-from seat_gear_dynamics.views.live import WIDTH, plain_line, render
+from seat_gear_dynamics.views.live_screen import screen_on
 from seat_gear_dynamics.views.live_state import LiveState
 
 _START_PATIENCE = 120.0  # s; the first start on a machine compiles the model
-_FRAME = 0.1  # s between two frames of the live view
-_PLAIN = 1.0  # s between two lines where the output is no terminal
+_SPIN = 0.1  # s to wait for a message at most
 
 
 class BenchRun:
@@ -56,10 +54,8 @@ class BenchRun:
         self._system = str(Path(system).absolute()) if system else ""
         self._console = Console(quiet=quiet)
         self._dashboard = None if dashboard is None else Dashboard(Settings(port=dashboard, system=system))
-        self._stop = False
+        self._told = Told()
         self._children: list[Child] = []
-        self._begin = 0.0
-        self._next_history = 0.0
         self._state = LiveState(
             title=f"seat-gear bench: {profile_name}",
             bands_rpm=tuple((band.low / RPM, band.high / RPM) for band in train.bands),
@@ -70,23 +66,22 @@ class BenchRun:
 
     def run(self) -> str:
         """Run to the end; return how it ended: `duration` or `interrupted`. Raises CommandError if a process fails."""
-        for number in (signal.SIGINT, signal.SIGTERM):
-            signal.signal(number, self._on_signal)
         from rclpy.signals import SignalHandlerOptions
 
-        rclpy.init(args=[], signal_handler_options=SignalHandlerOptions.NO)
-        node = Listener(self._state)
-        try:
-            with self._shown(), tempfile.TemporaryDirectory(prefix="seat_gear_bench_") as words:
-                try:
-                    self._start(node, Path(words))
-                    self._watch(node)
-                finally:
-                    self._end()
-        finally:
-            node.destroy_node()
-            rclpy.try_shutdown()
-        return "interrupted" if self._stop else "duration"
+        with told() as self._told:
+            rclpy.init(args=[], signal_handler_options=SignalHandlerOptions.NO)
+            node = Listener(self._state)
+            try:
+                with self._shown(), _folder_for_words() as words:
+                    try:
+                        self._start(node, words)
+                        self._watch(node)
+                    finally:
+                        self._end()
+            finally:
+                node.destroy_node()
+                rclpy.try_shutdown()
+            return "interrupted" if self._told.to_end else "duration"
 
     @contextmanager
     def _shown(self) -> Iterator[None]:
@@ -114,38 +109,18 @@ class BenchRun:
 
     def _wait(self, node: Node, reached: Callable[[], bool], what: str) -> None:
         begin = monotonic()
-        while not reached() and not self._stop:
-            rclpy.spin_once(node, timeout_sec=_FRAME)
+        while not reached() and not self._told.to_end:
+            rclpy.spin_once(node, timeout_sec=_SPIN)
             self._check()
             if monotonic() - begin > _START_PATIENCE:
                 raise CommandError(f"Waited {_START_PATIENCE:.0f} s for {what}; look at the network and ROS_DOMAIN_ID.")
 
-    def _watch(self, node: Node) -> None:
-        self._begin = monotonic()
-        live = Live(console=self._console, auto_refresh=False, transient=False)
-        fancy = self._console.is_terminal and not self._console.is_dumb_terminal and self._console.width >= WIDTH
-        if not fancy:
-            self._loop(node, _PLAIN, lambda: self._console.print(plain_line(self._state), soft_wrap=True))
-            return
-        with live:
-            self._loop(node, _FRAME, lambda: live.update(render(self._state), refresh=True))
+    def _watch(self, node: Listener) -> None:
+        with screen_on(self._console) as screen:
+            watch(node, screen, self._check, self._going_on)
 
-    def _loop(self, node: Node, period: float, show: Callable[[], None]) -> None:
-        """Spin, and call `show` every `period` s, until the run's end."""
-        due = 0.0
-        while not self._stop and (self._duration is None or monotonic() - self._begin < self._duration):
-            rclpy.spin_once(node, timeout_sec=0.05)
-            elapsed = monotonic() - self._begin
-            self._state.elapsed = elapsed
-            if elapsed >= due:
-                self._check()
-                self._remember(elapsed)
-                show()
-                due = elapsed + period
-
-    def _remember(self, elapsed: float) -> None:
-        if self._state.speed_rpm is not None:
-            self._state.history.append((elapsed, abs(self._state.speed_rpm), self._state.level))
+    def _going_on(self, elapsed: float) -> bool:
+        return not self._told.to_end and (self._duration is None or elapsed < self._duration)
 
     def _check(self) -> None:
         for child in self._children:
@@ -157,9 +132,6 @@ class BenchRun:
         for child in sorted(self._children, key=lambda child: order[child.name]):
             child.end()
 
-    def _on_signal(self, number: int, frame: FrameType | None) -> None:
-        self._stop = True
-
 
 def _heard_by_recorder(node: Node) -> bool:
     """Return whether each declared topic has a subscription of the recorder and a publisher."""
@@ -168,3 +140,11 @@ def _heard_by_recorder(node: Node) -> bool:
         if publishers == 0 or node.count_subscribers(topic.name) == 0:
             return False
     return True
+
+
+@contextmanager
+def _folder_for_words() -> Iterator[Path]:
+    """Give a folder for what the processes say; it stays where the run fails, for its error names a file in it."""
+    folder = Path(tempfile.mkdtemp(prefix="seat_gear_bench_"))
+    yield folder
+    shutil.rmtree(folder, ignore_errors=True)

@@ -37,6 +37,11 @@ class Child:
         """What the child has printed so far."""
         return self._log.read_text(errors="replace")
 
+    @property
+    def running(self) -> bool:
+        """Whether the child has not ended."""
+        return self._process.poll() is None
+
     def check(self) -> None:
         """Raise CommandError if the child has ended by itself."""
         code = self._process.poll()

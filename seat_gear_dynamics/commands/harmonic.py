@@ -2,6 +2,7 @@
 
 import argparse
 import json
+from itertools import count as counter
 from typing import TYPE_CHECKING, Any
 
 from seat_gear_dynamics.commands.texts import Texts
@@ -10,6 +11,7 @@ if TYPE_CHECKING:
     from collections.abc import Sequence
     from pathlib import Path
 
+    from seat_gear_dynamics.commands.progress import TellStage
     from seat_gear_dynamics.motion import System
     from seat_gear_dynamics.studies.harmonic_balance import Agreement, ResponseCurve
 
@@ -59,13 +61,15 @@ def run(arguments: argparse.Namespace) -> int:
     from pathlib import Path
 
     from seat_gear_dynamics.commands.errors import CommandError
+    from seat_gear_dynamics.commands.progress import stages
     from seat_gear_dynamics.motion.march import DivergedError
     from seat_gear_dynamics.studies.harmonic_balance import NoSolutionError
 
     try:
         system = _system(arguments)
-        curve = _curve(system, arguments)
-        agreements = _agreements(curve, arguments.compare)
+        with stages(quiet=arguments.json) as tell:
+            curve = _curve(system, arguments, tell)
+            agreements = _agreements(curve, arguments.compare, tell)
     except (ValueError, NoSolutionError, DivergedError) as error:
         raise CommandError(str(error)) from error
     files = [] if arguments.output is None else _write(curve, agreements, Path(arguments.output))
@@ -95,7 +99,7 @@ def _system(arguments: argparse.Namespace) -> "System":
     return replace(system, train=train).at(frequency=arguments.frequency, load=arguments.load)
 
 
-def _curve(system: "System", arguments: argparse.Namespace) -> "ResponseCurve":
+def _curve(system: "System", arguments: argparse.Namespace, tell: "TellStage") -> "ResponseCurve":
     from seat_gear_dynamics.studies.harmonic_balance import response_curve
 
     parameter, scale, usual = PARAMETERS[arguments.over]
@@ -103,6 +107,14 @@ def _curve(system: "System", arguments: argparse.Namespace) -> "ResponseCurve":
     high = arguments.stop if arguments.stop is not None or usual is None else usual[1]
     if low is None or high is None:
         raise ValueError(f"Following {arguments.over} needs a range; give both --start and --stop.")
+
+    farthest = 0
+
+    def follow(value: float) -> None:
+        nonlocal farthest  # a branch turns back at folds: progress is the farthest it came
+        farthest = max(farthest, min(100, round(100 * (value - low * scale) / ((high - low) * scale))))
+        tell(f"following {arguments.over}, %", farthest, 100)
+
     return response_curve(
         system,
         low * scale,
@@ -110,10 +122,11 @@ def _curve(system: "System", arguments: argparse.Namespace) -> "ResponseCurve":
         parameter=parameter,
         harmonics=arguments.harmonics,
         subharmonics=arguments.subharmonics,
+        progress=follow,
     )
 
 
-def _agreements(curve: "ResponseCurve", count: int | None) -> "list[Agreement]":
+def _agreements(curve: "ResponseCurve", count: int | None, tell: "TellStage") -> "list[Agreement]":
     """Return the comparison at `count` values evenly across the range, its ends left out."""
     if count is None:
         return []
@@ -123,7 +136,10 @@ def _agreements(curve: "ResponseCurve", count: int | None) -> "list[Agreement]":
 
     from seat_gear_dynamics.studies.harmonic_balance import compare
 
-    return compare(curve, [float(v) for v in np.linspace(curve.low, curve.high, count + 2)[1:-1]])
+    integrated = counter(1)
+    values = [float(v) for v in np.linspace(curve.low, curve.high, count + 2)[1:-1]]
+    tell("integrating", 0, 2 * count)  # up and down
+    return compare(curve, values, progress=lambda value: tell("integrating", next(integrated), 2 * count))
 
 
 def _write(curve: "ResponseCurve", agreements: "Sequence[Agreement]", folder: "Path") -> list[str]:

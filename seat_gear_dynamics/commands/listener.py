@@ -21,11 +21,18 @@ _ALL = QoSProfile(depth=10)
 class Listener(Node):
     """Subscribes to inputs, forces, warning and diagnostics; never publishes."""
 
-    def __init__(self, state: LiveState) -> None:
+    def __init__(self, state: LiveState, *, fed: bool = False) -> None:
+        """Take speed and load from the inputs, or where `fed` from what the monitor fed its model, whatever its input.
+
+        The first are there before a monitor is; the second are there for joint states, too.
+        """
         super().__init__("bench_view")
         self.state = state
-        self.create_subscription(Float64, topics.MOTOR_SPEED.name, self._on_speed, _QOS)
-        self.create_subscription(Float64, topics.LOAD_TORQUE.name, self._on_load, _QOS)
+        if fed:
+            self.create_subscription(JointState, topics.MODEL_INPUT.name, self._on_fed, _QOS)
+        else:
+            self.create_subscription(Float64, topics.MOTOR_SPEED.name, self._on_speed, _QOS)
+            self.create_subscription(Float64, topics.LOAD_TORQUE.name, self._on_load, _QOS)
         self.create_subscription(JointState, topics.MESH_FORCE.name, self._on_force, _QOS)
         self.create_subscription(DiagnosticStatus, topics.CHAOS_WARNING.name, self._on_warning, _ALL)
         self.create_subscription(Bool, topics.IN_FORBIDDEN_BAND.name, self._on_trip, _ALL)
@@ -38,6 +45,9 @@ class Listener(Node):
 
     def _on_load(self, message: Any) -> None:
         self.state.load = message.data if isfinite(message.data) else None
+
+    def _on_fed(self, message: Any) -> None:
+        self.state.speed_rpm, self.state.load = message.velocity[0] / RPM, message.effort[0]
 
     def _on_force(self, message: Any) -> None:
         effort = dict(zip(message.name, message.effort, strict=True))

@@ -1,4 +1,4 @@
-"""`seat-gear monitor`, `record` and `simulator`: one node each in this process."""
+"""`seat-gear monitor`, `record` and `simulator`: one node each; the monitor with the live view."""
 
 import argparse
 import json
@@ -29,10 +29,26 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 
 def run(arguments: argparse.Namespace) -> int:
-    """Run the node until it is told to end."""
+    """Run the node until it is told to end; the monitor beside its live view, but for --json."""
+    flags = _ros_arguments(arguments)
+    if arguments.command == "monitor" and not arguments.json:
+        from seat_gear_dynamics.runtime import provide_rclpy
+
+        provide_rclpy()  # before anything that imports rclpy
+        from seat_gear_dynamics.commands.monitor_view import MonitorView
+
+        return MonitorView(flags, arguments.system).run()
     from importlib import import_module
 
     node = import_module(f"seat_gear_dynamics.nodes.{_MODULES[arguments.command]}")
+    code = int(node.main([arguments.command, "--ros-args", *flags]))
+    if arguments.json:
+        print(json.dumps({"node": node.NAME, "exit": code}))
+    return code
+
+
+def _ros_arguments(arguments: argparse.Namespace) -> list[str]:
+    """Return what follows --ros-args; raises CommandError for a setting that is none."""
     parameters = [f"system:={arguments.system}"] if arguments.system else []
     for setting in arguments.set:
         name, equals, value = setting.partition("=")
@@ -42,7 +58,4 @@ def run(arguments: argparse.Namespace) -> int:
             raise CommandError(f"--set got {setting!r}, expected NAME=VALUE, such as publish_rate=100.0.")
         parameters.append(f"{name}:={value}")
     flags = [part for parameter in parameters for part in ("-p", parameter)]
-    code = int(node.main([arguments.command, "--ros-args", *flags, *arguments.ros_args]))
-    if arguments.json:
-        print(json.dumps({"node": node.NAME, "exit": code}))
-    return code
+    return [*flags, *arguments.ros_args]

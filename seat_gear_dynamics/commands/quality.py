@@ -86,7 +86,8 @@ def _outcomes(arguments: argparse.Namespace) -> "list[Outcome]":
     nominal = _map(arguments, train)
     source, loads = _source(arguments, train, nominal)
     scenarios = [each for seed in arguments.seed for each in suite(source, loads, seed=seed, count=arguments.runs)]
-    known = known_motions(scenarios, train)
+    with progress("motions of the runs", quiet=arguments.json):
+        known = known_motions(scenarios, train)
     jobs = [Job(scenario, train, nominal, arguments.bands, known) for scenario in scenarios]
     found: list[Outcome] = []
     workers = arguments.workers or cpu_count() or 1
@@ -129,12 +130,16 @@ def _summary(arguments: argparse.Namespace, found: "Assessment") -> dict[str, An
         "seed": arguments.seed,
         "whole": _tally(found.whole),
         "families": {name: _tally(each) for name, each in found.families.items()},
-        "median_notice": {
-            f"{a:g}": None if (notice := found.median_notice(a)) != notice else notice for a in _ACCELERATIONS
-        },
+        "median_notice": _notices(found, 0.0),
+        "median_notice_begun_1_s_before": _notices(found, 1.0),
         "roc": {name: _roc(each) for name, each in found.rocs.items()},
         "machine_roc": {name: _roc(each) for name, each in found.machine_rocs.items()},
     }
+
+
+def _notices(found: "Assessment", lead: float) -> dict[str, float | None]:
+    medians = {f"{a:g}": found.median_notice(a, lead=lead) for a in _ACCELERATIONS}
+    return {name: None if notice != notice else notice for name, notice in medians.items()}
 
 
 def _tally(found: "Tally") -> dict[str, Any]:
@@ -159,7 +164,10 @@ def _lines(values: dict[str, Any]) -> list[str]:
 
     whole = values["whole"]
     delays = whole["delays"]
-    notices = ", ".join(f"{a} r/min/s {n:.2f} s" for a, n in values["median_notice"].items() if n is not None)
+    notices, early = (
+        ", ".join(f"{a} r/min/s {n:.2f} s" for a, n in values[name].items() if n is not None)
+        for name in ("median_notice", "median_notice_begun_1_s_before")
+    )
     areas = ", ".join(f"{name} {each['area']:.4f}" for name, each in values["roc"].items())
     machine = ", ".join(f"{name} {each['area']:.3f}" for name, each in values["machine_roc"].items())
     lines = [
@@ -175,5 +183,6 @@ def _lines(values: dict[str, Any]) -> list[str]:
     ]
     lines += [f"delay to ERROR: median {median(delays):.2f} s, longest {max(delays):.2f} s"] if delays else []
     lines += [f"median notice before ramps: {notices}"] if notices else []
+    lines += [f"of those that began 1 s or more before the band: {early}"] if early else []
     lines += [f"area under the ROC: {areas}"] if areas else []
     return lines + ([f"area for the chaos of machines within tolerances: {machine}"] if machine else [])

@@ -8,7 +8,9 @@ from typing import TYPE_CHECKING, Any
 from seat_gear_dynamics.commands.texts import Texts
 
 if TYPE_CHECKING:
+    from seat_gear_dynamics.gears import GearTrain
     from seat_gear_dynamics.logs.analysis.rerun import Rerun
+    from seat_gear_dynamics.logs.analysis.what_if import MonitorSettings
 
 TEXTS = {
     "replay": Texts(
@@ -28,6 +30,12 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         metavar="NAME=VALUE",
         help="a parameter of the system by its path, in its unit, or of the monitor by its name; may be repeated",
     )
+    parser.add_argument(
+        "--map",
+        type=Path,
+        metavar="F.npz",
+        help="judge warnings by this regime map (default: the published bands, or the packaged map if logged)",
+    )
 
 
 def run(arguments: argparse.Namespace) -> int:
@@ -36,26 +44,50 @@ def run(arguments: argparse.Namespace) -> int:
     from seat_gear_dynamics.gears import load_train
     from seat_gear_dynamics.gears.description import parse_train
     from seat_gear_dynamics.logs.analysis.rerun import rerun
-    from seat_gear_dynamics.logs.analysis.what_if import monitor_settings, split, with_values
+    from seat_gear_dynamics.logs.analysis.what_if import monitor_settings, recorded_bands, split, with_values
     from seat_gear_dynamics.logs.reader import Bag
 
     system, monitor = split(arguments.set)
-    settings = monitor_settings(monitor)
-    kept = (Bag(arguments.log).metadata or {}).get("system")
+    bag = Bag(arguments.log)
+    kept, logged = (bag.metadata or {}).get("system"), recorded_bands(bag)
     train = load_train(arguments.system) if arguments.system or not kept else parse_train(kept)
+    settings = _with_bands(monitor_settings(monitor), arguments.map, logged, train)
     if system:
         train = parse_train(with_values(train.text, system))
-    what_if = bool(arguments.system or arguments.set)
+    other = settings.bands is not None and settings.bands.label != logged
+    what_if = bool(arguments.system or arguments.set or other)
     with progress("replay", quiet=arguments.json) as tell:
         found = rerun(arguments.log, train, settings, tell)
     print(json.dumps(_values(found, what_if=what_if)) if arguments.json else "\n".join(_lines(found, what_if=what_if)))
     return 0 if what_if or found.identical else 1
 
 
+def _with_bands(
+    settings: "MonitorSettings", path: Path | None, logged: str | None, train: "GearTrain"
+) -> "MonitorSettings":
+    """Return the settings with the bands of the map at `path`, or of the packaged map where the log names it."""
+    from seat_gear_dynamics.commands.errors import CommandError
+    from seat_gear_dynamics.gears import packaged_description
+    from seat_gear_dynamics.regimes.regime_map import MapError, RegimeMap
+    from seat_gear_dynamics.sensing import PACKAGED_MAP, MapBands, PublishedBands
+
+    if path is None and logged in (None, PublishedBands.label):
+        return settings
+    try:
+        with (path or packaged_description().with_name(PACKAGED_MAP)).open("rb") as file:
+            bands = MapBands(RegimeMap.load(file, train), train)
+    except (MapError, OSError) as error:
+        if path is None:
+            return settings  # the log's map is not here; what differs for it is said with the result
+        raise CommandError(f"The map {path} cannot be used: {error}") from error
+    return settings._replace(bands=bands) if path or bands.label == logged else settings
+
+
 def _values(found: "Rerun", *, what_if: bool) -> dict[str, Any]:
     from dataclasses import asdict
     from math import isfinite
 
+    from seat_gear_dynamics.logs.analysis.what_if import other_bands
     from seat_gear_dynamics.views.colours import LEVEL_NAMES
 
     def finite(values: dict[str, float]) -> dict[str, float | None]:
@@ -71,6 +103,8 @@ def _values(found: "Rerun", *, what_if: bool) -> dict[str, Any]:
         "begins": found.begins,
         "what_if": what_if,
         "topics": [asdict(each) for each in found.topics],
+        "bands": {"logged": found.bands[0], "replayed": found.bands[1]},
+        "other_bands": other_bands(*found.bands),
         "damage": found.damage,
         "windows_before_log": found.windows_before_log,
         "silences": found.silences,
@@ -83,6 +117,8 @@ def _values(found: "Rerun", *, what_if: bool) -> dict[str, Any]:
 
 
 def _lines(found: "Rerun", *, what_if: bool) -> list[str]:
+    from seat_gear_dynamics.logs.analysis.what_if import other_bands
+
     begins = "" if found.begins == "first input" else f", from the {found.begins} in the log on"
     lines = [f"{found.samples} samples replayed{begins}"]
     lines += [f"  {each.topic:32s}{each.equal:8d} of {each.messages} equal bit for bit" for each in found.topics]
@@ -90,6 +126,9 @@ def _lines(found: "Rerun", *, what_if: bool) -> list[str]:
         lines.append("  1 first force window began before the log's first force message and is not compared")
     if found.silences:
         lines.append(f"  {found.silences} warnings of silence are taken over from the log")
+    different = other_bands(*found.bands)
+    if different:
+        lines.append(f"  {different}")
     if found.damage:
         lines.append(f"  the log is damaged: {found.damage}")
     if what_if:

@@ -28,6 +28,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 def run(arguments: argparse.Namespace) -> int:
     """Simulate and print."""
     from seat_gear_dynamics.commands.errors import CommandError
+    from seat_gear_dynamics.commands.progress import progress
     from seat_gear_dynamics.gears.units import RPM
     from seat_gear_dynamics.motion import load_system
     from seat_gear_dynamics.motion.march import DivergedError
@@ -35,16 +36,17 @@ def run(arguments: argparse.Namespace) -> int:
 
     rpm, micrometres = arguments.speed_rpm, arguments.backlash_um
     try:
-        result = simulate(
-            load_system(arguments.system),
-            frequency=arguments.frequency,
-            speed=None if rpm is None else rpm * RPM,
-            load=arguments.load,
-            damping=arguments.damping,
-            backlash=None if micrometres is None else micrometres * 1e-6,
-            transient=arguments.transient,
-            periods=arguments.periods,
-        )
+        with progress(f"{arguments.transient + arguments.periods} mesh periods", quiet=arguments.json):
+            result = simulate(
+                load_system(arguments.system),
+                frequency=arguments.frequency,
+                speed=None if rpm is None else rpm * RPM,
+                load=arguments.load,
+                damping=arguments.damping,
+                backlash=None if micrometres is None else micrometres * 1e-6,
+                transient=arguments.transient,
+                periods=arguments.periods,
+            )
     except (ValueError, DivergedError) as error:
         raise CommandError(str(error)) from error
     values = result.as_dict()

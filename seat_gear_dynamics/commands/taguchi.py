@@ -2,14 +2,20 @@
 
 import argparse
 import json
+from itertools import count
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from seat_gear_dynamics.commands.texts import Texts
 
 if TYPE_CHECKING:
+    from collections.abc import Mapping
+
+    from seat_gear_dynamics.commands.progress import Tell
     from seat_gear_dynamics.motion import System
     from seat_gear_dynamics.studies.taguchi import Finding, Source, Study
+    from seat_gear_dynamics.studies.taguchi.result import Setting
+    from seat_gear_dynamics.studies.taguchi.study import Evaluate
 
 TEXTS = {
     "taguchi": Texts(
@@ -31,11 +37,15 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 def run(arguments: argparse.Namespace) -> int:
     """Run the study and print it."""
     from seat_gear_dynamics.commands.errors import CommandError
+    from seat_gear_dynamics.commands.progress import progress
     from seat_gear_dynamics.studies.taguchi import RESPONSES, vibration_and_impact
 
     responses = RESPONSES if arguments.response == "both" else (arguments.response,)
     try:
-        study = vibration_and_impact(_system(arguments), responses=responses, array=arguments.array)
+        system = _system(arguments)
+        with progress("experiments", quiet=arguments.json) as tell:
+            evaluate = _counted(system, _experiments(system, arguments.array, len(responses)), tell)
+            study = vibration_and_impact(system, responses=responses, array=arguments.array, evaluate=evaluate)
     except ValueError as error:
         raise CommandError(str(error)) from error
     files = [] if arguments.output is None else _write(study, arguments.output)
@@ -53,6 +63,33 @@ def _system(arguments: argparse.Namespace) -> "System":
 
     rpm = arguments.speed_rpm
     return load_system(arguments.system).at(speed=None if rpm is None else rpm * RPM, load=arguments.load)
+
+
+def _experiments(system: "System", array: str | None, responses: int) -> int:
+    """Return how many experiments the study has at most: array, present design and an optimum for each response."""
+    from seat_gear_dynamics.studies.taguchi import CONTROLS, NOISE, orthogonal_array, smallest_array
+
+    controls, noise = (
+        [len(factor.levels) for each in variations if (factor := each.factor(system)) is not None]
+        for variations in (CONTROLS, NOISE)
+    )
+    inner = orthogonal_array(array) if array is not None else smallest_array(controls)
+    return (inner.runs + 1 + responses) * (smallest_array(noise).runs if noise else 1)
+
+
+def _counted(system: "System", most: int, tell: "Tell") -> "Evaluate":
+    """Return the study's own experiment, which tells when each one is done."""
+    from seat_gear_dynamics.studies.taguchi import CONTROLS, NOISE, experiment
+
+    evaluate, done = experiment(system, [*CONTROLS, *NOISE]), count(1)
+
+    def counted(setting: "Setting") -> "Mapping[str, float]":
+        try:
+            return evaluate(setting)
+        finally:
+            tell(next(done), most)
+
+    return counted
 
 
 def _lines(study: "Study") -> list[str]:

@@ -1,10 +1,12 @@
-"""The monitor's inputs: from topics or joint states to stamped samples, with age, rate and rejects counted."""
+"""The monitor's inputs: from topics or joint states to stamped samples that the model can take."""
 
-from collections import Counter
 from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from functools import partial
 from math import isfinite
 from typing import Any
 
+from rclpy.duration import Duration
 from rclpy.node import Node
 from rclpy.qos import QoSProfile, ReliabilityPolicy
 from sensor_msgs.msg import JointState
@@ -12,12 +14,26 @@ from std_msgs.msg import Float64
 
 from seat_gear_dynamics.logs import topics
 from seat_gear_dynamics.nodes import messages
-from seat_gear_dynamics.nodes.process import StartError
-from seat_gear_dynamics.sensing import Level
+from seat_gear_dynamics.nodes.diagnostics import Composite
+from seat_gear_dynamics.nodes.input_health import InputHealth, SampleHealth
+from seat_gear_dynamics.nodes.qos_events import QosEvents
+from seat_gear_dynamics.sensing import RejectedSampleError
 
 Feed = Callable[[int, float, float, float], None]
-INPUT_QOS = QoSProfile(depth=100, reliability=ReliabilityPolicy.BEST_EFFORT)
-"""Best effort takes reliable publishers as well."""
+_TIMEOUTS = {"speed": "input_timeout", "load": "load_timeout"}
+_QUEUE = 500  # samples that may wait: a second at 500 Hz in which a busy machine gives the node no time
+_UNIT_MISTAKE = 9.55  # r/min in one rad/s
+PLAUSIBLE = 1.5
+"""Times the covered speed: what is faster is taken for a wrong unit (r/min sent as rad/s are 9.55 times too much)."""
+
+
+@dataclass(frozen=True)
+class Limits:
+    """What a machine can mean: speeds in rad/s of s1, load in N·m."""
+
+    covered_speed: float
+    max_speed: float
+    max_load: float
 
 
 class Intake:
@@ -25,108 +41,161 @@ class Intake:
 
     A Float64 carries no time, so the moment its publisher wrote it is taken, which a recorder sees alike; with
     use_sim_time it is the simulated time at arrival. A joint state's own stamp is used. Time t runs from the first
-    sample. The load is held between its messages.
+    sample. The load is held between its messages. Nothing is handed on before `open` and after `shut`.
+
+    Best effort takes reliable publishers as well.
     """
 
-    def __init__(self, node: Node, settings: Mapping[str, Any], feed: Feed) -> None:
-        self._node, self._settings, self._feed = node, settings, feed
+    def __init__(self, node: Node, settings: Mapping[str, Any], limits: Limits, events: QosEvents, feed: Feed) -> None:
+        """`feed` takes a sample and raises RejectedSampleError for one that the model refuses."""
+        self._node, self._limits, self._feed = node, limits, feed
         self._joint = str(settings["joint"])
+        self._is_open = False
         self._load: float | None = None
-        self._arrival: dict[str, int] = {}
         self._origin: int | None = None
-        self._rejected: Counter[str] = Counter()
-        self._received = 0
-        self._reported = (0, node.get_clock().now().nanoseconds)
-        self._sim_time = bool(node.get_parameter("use_sim_time").value)
-        source = settings["input"]
-        if source == "topics":
-            node.create_subscription(Float64, topics.MOTOR_SPEED.name, self._on_speed, INPUT_QOS)
-            node.create_subscription(Float64, topics.LOAD_TORQUE.name, self._on_load, INPUT_QOS)
-        elif source == "joint_states":
-            node.create_subscription(JointState, topics.JOINT_STATES.name, self._on_joint_states, INPUT_QOS)
-        else:
-            raise StartError(f"The parameter input is {source!r}, expected 'topics' or 'joint_states'.")
+        joint_states = settings["input"] == "joint_states"
+        names = [topics.JOINT_STATES.name] * 2 if joint_states else [topics.MOTOR_SPEED.name, topics.LOAD_TORQUE.name]
+        self._speed_health, self._load_health = (
+            InputHealth(name, topic, self._now, partial(settings.__getitem__, key), partial(events.publishers, topic))
+            for (name, key), topic in zip(_TIMEOUTS.items(), names, strict=True)
+        )
+        self._samples = SampleHealth()
+        self.health = Composite("input", (self._speed_health, self._load_health, self._samples))
+        """The inputs' diagnostic task."""
+        qos = _qos(settings["input_deadline"])
+        self._subscriptions = [
+            node.create_subscription(
+                kind, topic.name, callback, qos, event_callbacks=events.of_subscription(topic.name)
+            )
+            for kind, topic, callback in self._sources(joint_states)
+        ]
+
+    def _sources(self, joint_states: bool) -> list[tuple[Any, topics.Topic, Callable[..., None]]]:
+        if joint_states:
+            return [(JointState, topics.JOINT_STATES, self._on_joint_states)]
+        return [(Float64, topics.MOTOR_SPEED, self._on_speed), (Float64, topics.LOAD_TORQUE, self._on_load)]
 
     @property
     def origin_ns(self) -> int:
         """The stamp of the first sample, which is t = 0 of the session; 0 before it."""
         return self._origin or 0
 
+    def open(self) -> None:
+        """Begin to hand on samples."""
+        self.forget()
+        self._is_open = True
+
+    def shut(self) -> None:
+        """Hand on nothing any more."""
+        self._is_open = False
+
+    def close(self) -> None:
+        """Leave the topics."""
+        for subscription in self._subscriptions:
+            self._node.destroy_subscription(subscription)
+        self._subscriptions.clear()
+
+    def forget(self) -> None:
+        """Forget what came and when; counts are kept."""
+        self._load = None
+        self._speed_health.forget()
+        self._load_health.forget()
+
+    def stepped_back(self) -> None:
+        """Forget what came and when, because the clock stepped back, and count it."""
+        self.forget()
+        self._samples.jumped()
+
     def silence(self) -> str | None:
         """Return what input is missing, in words, or None."""
-        return self._missing("speed", self._settings["input_timeout"]) or self._missing_load()
-
-    def report(self, counts: Mapping[str, int]) -> tuple[Level, str, dict[str, object]]:
-        """Return level, text and values of the input's health; `counts` are the sensor's."""
-        now = self._now()
-        received, since = self._reported
-        self._reported = (self._received, now)
-        rate = (self._received - received) / max((now - since) * 1e-9, 1e-9)
-        ages = {name: (now - at) * 1e-9 for name, at in self._arrival.items()}
-        refused = {key: counts.get(key, 0) for key in ("not finite", "absurd", "duplicate", "late")}
-        refused["not finite"] += self._rejected["not finite"]
-        values: dict[str, object] = {
-            "speed rate (Hz)": rate,
-            "speed age (s)": ages.get("speed"),
-            "load age (s)": ages.get("load"),
-            "samples accepted": counts.get("accepted", 0) + counts.get("started", 0),
-            **{f"refused, {key}": count for key, count in refused.items()},
-            "refused, joint not named": self._rejected["no joint"],
-            "speeds without a load": self._rejected["no load"],
-        }
-        silence = self.silence()
-        if silence is not None:
-            return Level.STALE, silence, values
-        total = sum(refused.values()) + self._rejected["no joint"]
-        if total:
-            return Level.WARN, f"{total} samples refused so far", values
-        return Level.OK, f"{rate:.0f} samples a second", values
-
-    def _missing(self, name: str, limit: float) -> str | None:
-        if name not in self._arrival:
-            return f"no {name} received yet"
-        age = (self._now() - self._arrival[name]) * 1e-9
-        return f"no {name} for more than {limit:g} s" if age > limit else None
-
-    def _missing_load(self) -> str | None:
-        return self._missing("load", self._settings["load_timeout"])
+        return self._speed_health.silence() or self._load_health.silence()
 
     def _now(self) -> int:
         return int(self._node.get_clock().now().nanoseconds)
 
     def _on_load(self, message: Float64) -> None:
-        if not isfinite(message.data):
-            self._refuse("not finite", f"the load is {message.data}, expected a finite torque in N·m")
-            return
-        self._arrival["load"] = self._now()
-        self._load = message.data
+        if self._is_open:
+            self._take_load(self._now(), message.data)
+
+    def _take_load(self, now: int, load: float) -> None:
+        self._load_health.heard(now)
+        if not isfinite(load):
+            self._refuse(self._load_health, "not finite", f"the load is {load}, expected a finite torque in N·m")
+        elif abs(load) > self._limits.max_load:
+            text = f"the load is {load:.6g} N·m, expected at most {self._limits.max_load:g}; check its unit"
+            self._refuse(self._load_health, "absurd", text)
+        else:
+            self._load = load
+            self._load_health.used(now)
 
     def _on_speed(self, message: Float64, info: Mapping[str, int]) -> None:
-        self._arrival["speed"] = self._now()
-        # Some publishers' middleware leaves the source time out; then the arrival is the best there is.
-        stamp = self._now() if self._sim_time else int(info["source_timestamp"]) or self._now()
-        self._hand_on(stamp, message.data)
-
-    def _on_joint_states(self, message: JointState) -> None:
-        names = list(message.name)
-        index = names.index(self._joint) if self._joint in names else -1
-        if index < 0 or index >= min(len(message.velocity), len(message.effort)):
-            self._refuse("no joint", f"no velocity and effort of joint {self._joint!r} among {names}")
+        if not self._is_open:
             return
         now = self._now()
-        self._arrival.update(speed=now, load=now)
-        self._load = message.effort[index]
-        self._hand_on(messages.nanoseconds(message.header.stamp), message.velocity[index])
+        self._speed_health.heard(now)
+        if self._node.get_clock().ros_time_is_active:
+            if now:
+                self._hand_on(now, now, message.data)
+            else:
+                self._refuse(self._speed_health, "no clock", "use_sim_time is set and nothing came on /clock yet")
+            return
+        # Some publishers' middleware leaves the source time out; then the arrival is the best there is.
+        stamp = int(info["source_timestamp"]) or now
+        self._samples.waited(now - stamp)
+        self._hand_on(now, stamp, message.data)
 
-    def _hand_on(self, stamp_ns: int, speed: float) -> None:
-        self._received += 1
-        if self._load is None or self._missing_load():
-            self._rejected["no load"] += 1
+    def _on_joint_states(self, message: JointState) -> None:
+        if not self._is_open:
+            return
+        now = self._now()
+        self._speed_health.heard(now)
+        names = list(message.name)
+        index = names.index(self._joint) if self._joint in names else -1
+        stamp = messages.nanoseconds(message.header.stamp)
+        if index < 0 or index >= min(len(message.velocity), len(message.effort)):
+            text = f"no velocity and effort of joint {self._joint!r} among {names}"
+            self._refuse(self._speed_health, "joint not named", text)
+        elif stamp <= 0:
+            text = f"the joint state's stamp is {stamp} ns; its publisher has to fill in header.stamp"
+            self._refuse(self._speed_health, "no stamp", text)
+        else:
+            self._take_load(now, message.effort[index])
+            self._hand_on(now, stamp, message.velocity[index])
+
+    def _hand_on(self, now: int, stamp_ns: int, speed: float) -> None:
+        if not isfinite(speed):
+            self._refuse(self._speed_health, "not finite", f"the speed is {speed}, expected a finite number in rad/s")
+            return
+        ratio = abs(speed) / self._limits.covered_speed
+        if ratio > PLAUSIBLE and abs(speed) <= self._limits.max_speed:
+            text = (
+                f"the speed is {speed:.6g} rad/s, {ratio:.1f} times the highest covered; expected rad/s "
+                f"({speed:.6g} r/min would be {speed / _UNIT_MISTAKE:.4g} rad/s)"
+            )
+            self._refuse(self._speed_health, "implausible", text)
+            return
+        if self._load is None or self._load_health.silence() is not None:
+            self._samples.without_load()
+            self._speed_health.used(now)
             return
         if self._origin is None:
             self._origin = stamp_ns
-        self._feed(stamp_ns, (stamp_ns - self._origin) * 1e-9, speed, self._load)
+        try:
+            self._feed(stamp_ns, (stamp_ns - self._origin) * 1e-9, speed, self._load)
+        except RejectedSampleError as error:
+            self._refuse(self._speed_health, error.reason, str(error))
+            return
+        self._speed_health.used(now)
+        self._samples.accepted()
 
-    def _refuse(self, key: str, text: str) -> None:
-        self._rejected[key] += 1
+    def _refuse(self, health: InputHealth, reason: str, text: str) -> None:
+        health.refused(text)
+        self._samples.refuse(reason, text)
         self._node.get_logger().warning(f"input refused: {text}", throttle_duration_sec=5.0)
+
+
+def _qos(deadline: float) -> QoSProfile:
+    profile = QoSProfile(depth=_QUEUE, reliability=ReliabilityPolicy.BEST_EFFORT)
+    if deadline:
+        profile.deadline = Duration(nanoseconds=int(deadline * 1e9))
+    return profile

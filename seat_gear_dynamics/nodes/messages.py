@@ -94,12 +94,18 @@ def status(level: Level, name: str, text: str, values: Mapping[str, object]) -> 
     )
 
 
-def chaos_warning(name: str, verdict: Verdict, reading: Reading | None) -> DiagnosticStatus:
+def chaos_warning(name: str, verdict: Verdict, reading: Reading | None, bands: str = "published") -> DiagnosticStatus:
     """Return the warning with speed, load, band, distance, regime, evidence and the nearest calm speed."""
+    return status(verdict.level, name, verdict.reason, warning_values(verdict, reading, bands))
+
+
+def warning_values(verdict: Verdict, reading: Reading | None, bands: str) -> dict[str, object]:
+    """Return what a verdict rests on, by keys with units; `reading` is of its sample, `bands` their source."""
     band = verdict.band
-    values: dict[str, object] = {
+    return {
         "speed (r/min)": reading.speed / RPM if reading else None,
         "load (N·m)": reading.load if reading else None,
+        "bands": bands,
         "band (r/min)": f"{band.low / RPM:.0f}-{band.high / RPM:.0f}" if band else None,
         "distance to band (r/min)": _rpm(verdict.distance),
         "time to band (s)": verdict.time_to_band,
@@ -108,8 +114,11 @@ def chaos_warning(name: str, verdict: Verdict, reading: Reading | None) -> Diagn
         "lyapunov": reading.regime.lyapunov if reading else None,
         "evidence": reading.regime.reason if reading else "no input yet",
         "nearest calm speed (r/min)": _rpm(verdict.calm_speed),
+        "probability of danger": verdict.danger,
+        "probability of chaos by the map": verdict.probability,
+        "signs": "; ".join(f"{each.kind} {each.probability:.0%}" for each in verdict.evidence) or "none",
+        "motion (log-odds)": verdict.odds or "not seen",
     }
-    return status(verdict.level, name, verdict.reason, values)
 
 
 def _rpm(speed: float | None) -> float | None:

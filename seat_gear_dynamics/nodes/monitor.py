@@ -1,164 +1,129 @@
-"""The monitor node: measured speed and load in; forces, section, warning and trip signal out."""
+"""The monitor node, managed: measured speed and load in; forces, section, warning and trip signal out."""
 
+import traceback
 from collections.abc import Sequence
-from time import perf_counter
 from typing import Any
 
-from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus
-from rclpy.node import Node
-from rclpy.qos import DurabilityPolicy, QoSProfile
-from sensor_msgs.msg import JointState, PointCloud2
-from std_msgs.msg import Bool, Header
+from rclpy.clock import JumpThreshold
+from rclpy.duration import Duration
+from rclpy.lifecycle import LifecycleNode, State, TransitionCallbackReturn
 from std_srvs.srv import Trigger
 
-from seat_gear_dynamics.gears import DescriptionError, GearTrain, load_train
-from seat_gear_dynamics.gears.units import RPM
-from seat_gear_dynamics.logs import topics
-from seat_gear_dynamics.nodes import messages
-from seat_gear_dynamics.nodes.intake import Intake
-from seat_gear_dynamics.nodes.monitor_health import SolverHealth
-from seat_gear_dynamics.nodes.monitor_state import StateTicker, model_state
-from seat_gear_dynamics.nodes.parameters import Parameter, declare
+from seat_gear_dynamics.nodes.monitor_parameters import PARAMETERS
+from seat_gear_dynamics.nodes.monitor_watch import Watch
+from seat_gear_dynamics.nodes.parameters import Parameters
 from seat_gear_dynamics.nodes.process import StartError, run
-from seat_gear_dynamics.sensing import AlarmSettings, Change, RejectedSampleError, Session, warm_up
 
 NAME = "gear_monitor"
 
-PARAMETERS = (
-    Parameter("system", "", "system description (YAML file); empty: the packaged height adjuster"),
-    Parameter("input", "topics", "where speed and load come from: topics, or joint_states"),
-    Parameter("joint", "seat_height", "joint whose velocity and effort are speed and load, with input joint_states"),
-    Parameter("publish_rate", 50.0, "mesh state and force, Hz", 1.0, 1000.0),
-    Parameter("warning_rate", 10.0, "warning, trip signal and section when nothing changes, Hz", 1.0, 100.0),
-    Parameter("input_timeout", 0.5, "silence of the speed after which the warning is STALE, s", 0.05, 60.0),
-    Parameter("load_timeout", 2.0, "silence of the load after which the warning is STALE, s", 0.05, 600.0),
-    Parameter("margin_rpm", 40.0, "WARN when closer to a forbidden band than this, r/min", 0.0, 1000.0),
-    Parameter("horizon", 1.0, "WARN when the acceleration reaches a band within this time, s", 0.0, 60.0),
-    Parameter("hysteresis_rpm", 4.0, "a band is left only when this far outside, r/min", 0.0, 100.0),
-    Parameter("debounce", 0.03, "time a worse level has to last, s", 0.0, 10.0),
-    Parameter("hold", 0.3, "time a better level has to last, s", 0.0, 60.0),
-    Parameter("state_period", 1.0, "time between two messages of the model's state, s", 0.1, 600.0),
-    Parameter("section_points", 256, "section points kept and published", 1, 10000),
+_SUCCESS, _FAILURE, _ERROR = (
+    TransitionCallbackReturn.SUCCESS,
+    TransitionCallbackReturn.FAILURE,
+    TransitionCallbackReturn.ERROR,
 )
 
-_LATCHED_QOS = QoSProfile(depth=1, durability=DurabilityPolicy.TRANSIENT_LOCAL)
-_OUTPUT_QOS = QoSProfile(depth=10)
 
+class Monitor(LifecycleNode):
+    """Configures, starts and stops a `Watch`, by itself at first where `autostart` says so.
 
-class Monitor(Node):
-    """Feeds a session and publishes what it says; decides nothing itself."""
+    Raises StartError from its constructor for a parameter that cannot be, and where it configures itself and cannot.
+    """
 
-    def __init__(self) -> None:
-        super().__init__(NAME)
-        self._settings = declare(self, PARAMETERS)
-        self._session = self._make_session(self._load())
-        self._health = SolverHealth(self._settings["publish_rate"])
-        self._state_ticker = StateTicker(self._settings["state_period"])
-        self._forces_due = False
-        self._intake = Intake(self, self._settings, self._feed)
-        self._publish_on()
-        self._timers_on()
+    def __init__(self, **options: Any) -> None:
+        """Take options of rclpy's Node, such as namespace and context."""
+        super().__init__(NAME, **options)
+        self._watch: Watch | None = None
+        self._active = False
+        self._refusal = ""
+        self._settings = Parameters(self, PARAMETERS, locked=self._locked, applied=self._on_parameters)
         self.create_service(Trigger, "~/reset", self._on_reset)
-        self.get_logger().info("ready")
+        backward = JumpThreshold(min_forward=None, min_backward=Duration(nanoseconds=-1), on_clock_change=True)
+        self._jumps = self.get_clock().create_jump_callback(backward, post_callback=self._on_jump)
+        if self._settings["autostart"]:
+            self._start()
 
-    def _load(self) -> GearTrain:
+    def _start(self) -> None:
+        if self.trigger_configure() != _SUCCESS or self.trigger_activate() != _SUCCESS:
+            raise StartError(self._refusal or "The monitor could not be started; its log says why.")
+
+    def on_configure(self, state: State) -> TransitionCallbackReturn:
+        """Load system and map, compile, and take the topics; a sentence in the log says why that cannot be."""
         try:
-            return load_train(self._settings["system"] or None)
-        except DescriptionError as error:
-            raise StartError(str(error)) from error
+            self._watch = Watch(self, self._settings)
+        except StartError as error:
+            self._refusal = str(error)
+            if not self._settings["autostart"]:  # else the one who started the node is told by its end
+                self.get_logger().error(self._refusal)
+            return _FAILURE
+        except Exception:
+            self.get_logger().error(f"configuring failed:\n{traceback.format_exc()}")  # rclpy would not tell
+            return _ERROR
+        self.get_logger().info("configured")
+        return super().on_configure(state)
 
-    def _make_session(self, train: GearTrain) -> Session:
-        get = self._settings.__getitem__
-        alarm = AlarmSettings(
-            margin=get("margin_rpm") * RPM,
-            horizon=get("horizon"),
-            hysteresis=get("hysteresis_rpm") * RPM,
-            debounce=get("debounce"),
-            hold=get("hold"),
-        )
-        session = Session(train, settings=alarm, max_gap=get("input_timeout"), section_points=get("section_points"))
-        self.get_logger().info("compiling the gear model for this machine (seconds once, then cached)")
-        warm_up(train)
-        return session
+    def on_activate(self, state: State) -> TransitionCallbackReturn:
+        """Let the publishers speak and begin to watch."""
+        said = super().on_activate(state)
+        if self._watch is not None and said == _SUCCESS:
+            self._watch.start()
+            self._active = True
+            self.get_logger().info("ready")
+        return said
 
-    def _publish_on(self) -> None:
-        self._input = self.create_publisher(JointState, topics.MODEL_INPUT.name, _OUTPUT_QOS)
-        self._model_state = self.create_publisher(JointState, topics.MODEL_STATE.name, _LATCHED_QOS)
-        self._mesh_state = self.create_publisher(JointState, topics.MESH_STATE.name, _OUTPUT_QOS)
-        self._mesh_force = self.create_publisher(JointState, topics.MESH_FORCE.name, _OUTPUT_QOS)
-        self._poincare = self.create_publisher(PointCloud2, topics.POINCARE.name, _OUTPUT_QOS)
-        self._warning = self.create_publisher(DiagnosticStatus, topics.CHAOS_WARNING.name, _OUTPUT_QOS)
-        self._trip = self.create_publisher(Bool, topics.IN_FORBIDDEN_BAND.name, _LATCHED_QOS)
-        self._diagnostics = self.create_publisher(DiagnosticArray, topics.DIAGNOSTICS.name, _OUTPUT_QOS)
-        self._publish_warning()
+    def on_deactivate(self, state: State) -> TransitionCallbackReturn:
+        """Say the last words and fall silent."""
+        self._fall_silent()
+        return super().on_deactivate(state)
 
-    def _timers_on(self) -> None:
-        self.create_timer(1.0 / self._settings["publish_rate"], self._on_publish)
-        self.create_timer(1.0 / self._settings["warning_rate"], self._on_warning)
-        self.create_timer(1.0, self._on_diagnostics)
+    def on_cleanup(self, state: State) -> TransitionCallbackReturn:
+        """Give model, topics and timers back."""
+        said = super().on_cleanup(state)
+        self._give_back()
+        return said
 
-    def _feed(self, stamp_ns: int, t: float, speed: float, load: float) -> None:
-        """Feed one sample; what it changes in the warning goes out at once, without waiting for a timer."""
-        begin = perf_counter()
-        try:
-            change: Change = self._session.feed(t, speed, load)
-        except RejectedSampleError as error:
-            self.get_logger().warning(f"sample refused: {error}", throttle_duration_sec=5.0)
-            return
-        self._stamp_ns = stamp_ns
-        self._health.fed(perf_counter() - begin, change.reading)
-        if change.changed:
-            self._publish_warning()
-        self._input.publish(messages.model_input(stamp_ns, speed, load))
-        self._publish_forces()
-        if change.reading.event not in ("running", "started"):
-            self.get_logger().warning(f"the model restarted: {change.reading.event}", throttle_duration_sec=5.0)
+    def on_shutdown(self, state: State) -> TransitionCallbackReturn:
+        """Fall silent and give everything back, from whatever state."""
+        self._fall_silent()
+        super().on_deactivate(state)  # rclpy's publishers would go on
+        said = super().on_shutdown(state)
+        self._give_back()
+        return said
 
-    def _on_publish(self) -> None:
-        self._health.published(self.get_clock().now().nanoseconds)
-        self._forces_due = True
-        self._publish_forces()
+    def on_error(self, state: State) -> TransitionCallbackReturn:
+        """Give everything back after a transition that failed halfway: the node is then unconfigured."""
+        super().on_deactivate(state)
+        self._active = False
+        self._give_back()
+        return _SUCCESS
 
-    def _publish_forces(self) -> None:
-        """Publish the forces that are due; without a new sample they wait for one, rather than for the next tick."""
-        if not self._forces_due:
-            return
-        windows, reading = self._session.take_windows(), self._session.reading
-        if reading is None or windows[0].duration == 0:
-            return  # nothing moved since the last message: silence, not an invented value
-        self._forces_due = False
-        self._mesh_force.publish(messages.mesh_force(self._stamp_ns, windows))
-        self._mesh_state.publish(messages.mesh_state(self._stamp_ns, reading.contacts))
-        if self._state_ticker.due(self._stamp_ns):
-            self._model_state.publish(model_state(self._stamp_ns, self._intake.origin_ns, self._session))
+    def _fall_silent(self) -> None:
+        if self._watch is not None and self._active:
+            self._watch.stop()
+        self._active = False
 
-    def _on_warning(self) -> None:
-        silence = self._intake.silence()
-        if silence is not None:
-            self._session.silence(silence)
-        self._publish_warning()
-        if self._session.reading is not None:
-            self._poincare.publish(messages.poincare(self._stamp_ns, self._session.section, self._intake.origin_ns))
+    def _give_back(self) -> None:
+        if self._watch is not None:
+            self._watch.close()
+        self._watch = None
 
-    def _publish_warning(self) -> None:
-        verdict = self._session.verdict
-        self._trip.publish(Bool(data=verdict.in_band))
-        name = f"{self.get_name()}: chaos warning"
-        self._warning.publish(messages.chaos_warning(name, verdict, self._session.reading))
+    def _locked(self) -> str | None:
+        if self._watch is None:
+            return None
+        return "it is active, deactivate it and clean it up first" if self._active else "clean it up first"
 
-    def _on_diagnostics(self) -> None:
-        now = self.get_clock().now().nanoseconds
-        name, session = self.get_name(), self._session
-        level, text, values = self._intake.report(session.sensor.counts)
-        statuses = [
-            messages.status(level, f"{name}: input", text, values),
-            messages.status(*self._health.report(f"{name}: solver", session)),
-            messages.chaos_warning(f"{name}: warning", session.verdict, session.reading),
-        ]
-        self._diagnostics.publish(DiagnosticArray(header=Header(stamp=messages.stamp(now)), status=statuses))
+    def _on_parameters(self) -> None:
+        if self._watch is not None:
+            self._watch.adopt()
+
+    def _on_jump(self, jump: Any) -> None:
+        if self._watch is not None and self._active:
+            self._watch.stepped_back()
 
     def _on_reset(self, request: Any, response: Any) -> Any:
-        self._session.reset()
+        if self._watch is None:
+            response.success, response.message = False, "there is no model: the node is not configured"
+            return response
+        self._watch.reset()
         response.success, response.message = True, "the model restarts with the next sample"
         return response
 

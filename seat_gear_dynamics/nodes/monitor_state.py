@@ -15,8 +15,12 @@ class StateTicker:
     """Says when the model's state is due, by the samples' own stamps, and makes its message."""
 
     def __init__(self, period: float) -> None:
-        self._period_ns = int(period * 1e9)
         self._last_ns: int | None = None
+        self.pace(period)
+
+    def pace(self, period: float) -> None:
+        """Let so many seconds lie between two states from now on."""
+        self._period_ns = int(period * 1e9)
 
     def due(self, stamp_ns: int) -> bool:
         """Return whether a state of this stamp is due: after a period, or when stamps have stepped back."""

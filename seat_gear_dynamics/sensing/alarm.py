@@ -21,6 +21,9 @@ Array = NDArray[np.float64]
 _SURE = 3.0  # standard errors: noise crosses a border this far away once in some hundred samples
 _FIRM = 4.0  # standard errors of a fit: ten of them a second, each without common samples, cross it once in an hour
 _RECORD = 0.5  # s; the points that a judgement of the motion looks at are about so old
+# By what they ask of a person: STALE says less than OK does, and stops no trip.
+_BY_SEVERITY = (Level.STALE, Level.OK, Level.WARN, Level.ERROR)
+_SEVERITY = {level: severity for severity, level in enumerate(_BY_SEVERITY)}
 
 
 @dataclass(frozen=True)
@@ -72,6 +75,8 @@ class Verdict:
     """Of chaos here, by the map; None without one."""
     odds: str = ""
     """What speaks for and against chaos of the running model, in log-odds; empty where it was not seen."""
+    bands: str = ""
+    """Whose bands it was judged by: the label of their source, `published` or `map 0123456789ab`."""
 
 
 class Alarm:
@@ -135,7 +140,8 @@ class Alarm:
         self._track(bands, magnitude)
         chance = self.source.probability(magnitude, torque)
         motion = self._weigh(t, regime, section, chance, settled=settled)
-        evidence = self._evidence(magnitude, torque, ahead, chance, _from_motion(magnitude, torque, regime, motion))
+        signs = [*_from_motion(magnitude, torque, regime, motion), *_from_map(magnitude, torque, chance)]
+        evidence = _weightiest_first([*self._from_bands(bands, magnitude, ahead), *signs])
         level, reason = self._judge(magnitude, torque, evidence)
         found, level = level, self._steady(t, level)
         in_band = self._tripped.update(t, self._inside is not None)
@@ -146,12 +152,13 @@ class Alarm:
         calm = self.calm_speed(magnitude, load=torque, rattling=regime.name == "chaotic")
         signed = None if calm is None else (-1.0 if speed < 0 else 1.0) * calm
         danger, odds = together(evidence), motion.words if motion.seen else ""
-        return Verdict(level, reason, in_band, band, away, ahead, signed, evidence, danger, chance, odds)
+        source = self.source.label
+        return Verdict(level, reason, in_band, band, away, ahead, signed, evidence, danger, chance, odds, source)
 
     def stale(self, reason: str) -> Verdict:
         """Return the verdict for missing inputs; the next update starts afresh."""
         self.reset()
-        return Verdict(Level.STALE, reason, False, None, None, None, None)
+        return Verdict(Level.STALE, reason, False, None, None, None, None, bands=self.source.label)
 
     def calm_speed(self, magnitude: float, *, load: float = 0.0, rattling: bool = False) -> float | None:
         """Return the |speed| nearest to `magnitude`, rad/s, outside every band by the margin; None if there is none.
@@ -160,6 +167,9 @@ class Alarm:
         that speed is none either, whatever the bands say, nor are those within the margin of it.
         """
         margin, highest = self.settings.margin, self.source.covered_speed
+        near = any(band.low - margin < magnitude < band.high + margin for band in self.source.at(load))
+        if not (near or rattling) and 0 <= magnitude <= highest:
+            return magnitude
         blocked = [(band.low - margin, band.high + margin) for band in self.source.at(load)]
         if rattling:
             blocked.append((magnitude - margin, magnitude + margin))
@@ -225,14 +235,7 @@ class Alarm:
         scatter = scatter_of(section) if undecided and section is not None else None
         return weigh(regime, chance, scatter, lasting=lasting, settled=settled)
 
-    def _evidence(
-        self, magnitude: float, load: float, ahead: float | None, chance: float | None, motion: list[Evidence]
-    ) -> tuple[Evidence, ...]:
-        """Return the signs of danger, those that support a worse level first."""
-        found = [*self._from_bands(magnitude, load, ahead), *motion, *_from_map(magnitude, load, chance)]
-        return tuple(sorted(found, key=lambda each: -each.level))
-
-    def _from_bands(self, magnitude: float, load: float, ahead: float | None) -> list[Evidence]:
+    def _from_bands(self, bands: Bands, magnitude: float, ahead: float | None) -> list[Evidence]:
         """Return what place and course say: inside, or ahead and near."""
         if self._inside:
             low, high = self._inside.low / RPM, self._inside.high / RPM
@@ -244,7 +247,7 @@ class Alarm:
             level = Level.WARN if ahead <= self.settings.horizon else Level.OK
             text = f"a forbidden band is {ahead:.1f} s ahead at the present acceleration"
             found.append(Evidence("approach", level, closeness(ahead / self.settings.horizon), text))
-        band = approach.nearest(self.source.at(load), magnitude)
+        band = approach.nearest(bands, magnitude)
         return found if band is None else [*found, self._beside(magnitude, approach.distance(band, magnitude))]
 
     def _beside(self, magnitude: float, away: float) -> Evidence:
@@ -281,9 +284,10 @@ class Alarm:
 
         Each severity has its own latch, so that levels which alternate cannot keep each other from being shown.
         """
-        severity = _severity(level)
-        shown = [latch.update(t, severity > rank) for rank, latch in enumerate(self._at_least)]
-        return next(each for each in Level if _severity(each) == sum(shown))
+        severity, shown = _SEVERITY[level], 0
+        for rank, latch in enumerate(self._at_least):
+            shown += latch.update(t, severity > rank)
+        return _BY_SEVERITY[shown]
 
 
 def _source(bands: BandSource | Sequence[ForbiddenBand], covered_speed: float | None) -> BandSource:
@@ -292,6 +296,11 @@ def _source(bands: BandSource | Sequence[ForbiddenBand], covered_speed: float | 
     if covered_speed is None:
         raise ValueError("Bands were given without covered_speed; expected the speed up to which they were looked for.")
     return PublishedBands(bands, covered_speed)
+
+
+def _weightiest_first(signs: list[Evidence]) -> tuple[Evidence, ...]:
+    """Return the signs of danger, those that support a worse level first."""
+    return tuple(sorted(signs, key=lambda each: -each.level))
 
 
 def _from_map(magnitude: float, load: float, chance: float | None) -> list[Evidence]:
@@ -311,8 +320,3 @@ def _from_motion(magnitude: float, load: float, regime: Regime, motion: Motion) 
     else:
         text = f"evidence of chaos is building: {regime.reason}"
     return [Evidence("motion", motion.level, motion.probability, text)]
-
-
-def _severity(level: Level) -> int:
-    """Order levels by what they ask of a person: STALE says less than OK does, and stops no trip."""
-    return {Level.STALE: 0, Level.OK: 1, Level.WARN: 2, Level.ERROR: 3}[level]

@@ -47,8 +47,7 @@ def time_to_moving_band(
     """
 
     def inside(after: float) -> bool:
-        bands = source.at(load + rates[1] * after)
-        return containing(bands, speed + rates[0] * after) is not None
+        return source.forbids(speed + rates[0] * after, load + rates[1] * after)
 
     if inside(0.0):
         return 0.0

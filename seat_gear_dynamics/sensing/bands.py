@@ -1,6 +1,8 @@
 """Where the forbidden bands come from: the published ones at every load, or a regime map's at the load at hand."""
 
-from collections.abc import Iterable, Sequence
+from bisect import bisect_right
+from collections.abc import Iterable, Iterator, Sequence
+from hashlib import sha256
 from itertools import pairwise
 from typing import NamedTuple, Protocol
 
@@ -21,7 +23,9 @@ class BandSource(Protocol):
     """What an alarm asks of a source of bands; speeds are |speed| of s1 in rad/s, loads T4 in N·m."""
 
     name: str
-    """For messages: `published` or `map`."""
+    """`published` or `map`."""
+    label: str
+    """For messages and logs: which bands these are, as `published` or `map 0123456789ab`."""
     covered_speed: float
     """The highest speed of which something is known, rad/s."""
     follows_load: bool
@@ -29,6 +33,10 @@ class BandSource(Protocol):
 
     def at(self, load: float) -> Bands:
         """Return the bands at `load`, by rising speed and apart from each other; none outside the source."""
+        ...
+
+    def forbids(self, speed: float, load: float) -> bool:
+        """Return whether `speed` is in one of the bands at `load`: as `at` says it, without making the bands."""
         ...
 
     def beyond(self, speed: float, load: float) -> str | None:
@@ -47,7 +55,7 @@ class PublishedBands:
     elsewhere, and only the running model sees it.
     """
 
-    name = "published"
+    name = label = "published"
     follows_load = False
 
     def __init__(self, bands: Sequence[ForbiddenBand], covered_speed: float) -> None:
@@ -62,6 +70,10 @@ class PublishedBands:
     def at(self, load: float) -> Bands:
         """Return the published bands, whatever the load."""
         return self._bands
+
+    def forbids(self, speed: float, load: float) -> bool:
+        """Return whether `speed` is in one of them."""
+        return any(band.low <= speed <= band.high for band in self._bands)
 
     def beyond(self, speed: float, load: float) -> str | None:
         """Return a sentence for a speed beyond the studied range; loads are not looked at."""
@@ -120,17 +132,29 @@ class MapBands:
                 f"compute a map over two loads at least."
             )
         self.map = found
+        self.label = f"map {_digest(found, threshold)}"
         self.covered_speed = float(found.speeds[-1])
+        self._speeds: list[float] = found.speeds.tolist()
         self._loads: list[float] = found.loads.tolist()
+        self._chaos: list[list[float]] = found.chaos.tolist()
         steps = np.diff(found.speeds)
         self._first = 0.0 if found.speeds[0] <= steps[0] * (1 + _SAME) else float(found.speeds[0])
         reach = float(steps.max()) / 2
         rows = [self._row(found, load, threshold, reach) for load in self._loads]
         self._cells = [_pieces(here, there) for here, there in pairwise(rows)]
+        self._latest: tuple[float, Bands] = (np.nan, ())
 
     def at(self, load: float) -> Bands:
         """Return the bands at `load`."""
-        return self._joined((_moved(piece, share) for cell, share in self._around(load) for piece in cell), load)
+        at, bands = self._latest  # one sample asks several times
+        if at != load:
+            bands = self._joined(self._spans(load), load)
+            self._latest = (load, bands)
+        return bands
+
+    def forbids(self, speed: float, load: float) -> bool:
+        """Return whether `speed` is in a band at `load`."""
+        return any(low <= speed <= high for low, high in self._spans(load))
 
     def beyond(self, speed: float, load: float) -> str | None:
         """Return a sentence outside the map."""
@@ -149,18 +173,35 @@ class MapBands:
         """
         if self.beyond(speed, load) is not None:
             return None
-        lowest = float(self.map.speeds[0])
-        share = self.map.probability_at(max(speed, lowest), load) * min(1.0, speed / lowest)
+        lowest = self._speeds[0]
+        share = self._chaos_at(max(speed, lowest), load) * min(1.0, speed / lowest)
         machines = max(self.map.samples, 1)
         return (machines * share + 0.5) / (machines + 1)
 
-    def _around(self, load: float) -> list[tuple[list[_Piece], float]]:
-        """Return the cells that hold at `load` and how far into each it lies, 0 to 1: two at a load of the map."""
-        return [
-            (cell, (load - low) / (high - low))
-            for cell, (low, high) in zip(self._cells, pairwise(self._loads), strict=True)
-            if low <= load <= high
-        ]
+    def _chaos_at(self, speed: float, load: float) -> float:
+        """Return what `RegimeMap.probability_at` does, to the bit, from two rows' neighbours alone."""
+        column, row = bisect_right(self._speeds, speed) - 1, bisect_right(self._loads, load) - 1
+        if self._loads[row] == load:
+            here, there, share = self._chaos[row], self._chaos[row], 0.0
+        else:
+            here, there = self._chaos[row], self._chaos[row + 1]
+            share = (load - self._loads[row]) / (self._loads[row + 1] - self._loads[row])
+        left = (1 - share) * here[column] + share * there[column]
+        if self._speeds[column] == speed:
+            return left
+        right = (1 - share) * here[column + 1] + share * there[column + 1]
+        slope = (right - left) / (self._speeds[column + 1] - self._speeds[column])
+        return slope * (speed - self._speeds[column]) + left
+
+    def _spans(self, load: float) -> Iterator[tuple[float, float]]:
+        """Yield what is forbidden at `load`, which may overlap: at a load of the map, what holds on either side."""
+        upper = bisect_right(self._loads, load) - 1  # the cell from this load of the map on
+        cells = (upper - 1, upper) if upper >= 0 and self._loads[upper] == load else (upper,)
+        for k in cells:
+            if 0 <= k < len(self._cells):
+                low, high = self._loads[k], self._loads[k + 1]
+                share = (load - low) / (high - low)
+                yield from (_moved(piece, share) for piece in self._cells[k])
 
     def _row(self, found: RegimeMap, load: float, threshold: float, reach: float) -> list[tuple[float, float]]:
         """Return the bands at a load of the map, widened by `reach`, those that then touch joined."""
@@ -176,6 +217,14 @@ class MapBands:
             else:
                 joined.append((low, high))
         return tuple(ForbiddenBand(low, high, load) for low, high in joined)
+
+
+def _digest(found: RegimeMap, threshold: float) -> str:
+    """Return 12 digits of a hash of all that the bands depend on: another map of the same machine has others."""
+    content = sha256(f"{found.fingerprint} {found.samples} {threshold!r}".encode())
+    for values in (found.speeds, found.loads, found.chaos):
+        content.update(np.ascontiguousarray(values, dtype="<f8").tobytes())
+    return content.hexdigest()[:12]
 
 
 def _moved(piece: _Piece, share: float) -> tuple[float, float]:

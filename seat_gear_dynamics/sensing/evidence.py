@@ -7,6 +7,7 @@ from math import exp, isfinite, log
 from typing import Literal
 
 import numpy as np
+from numba import njit
 from numpy.typing import NDArray
 
 from seat_gear_dynamics.regimes import Regime
@@ -130,8 +131,20 @@ def scatter_of(section: Array) -> float | None:
     points = section[-SCATTER_POINTS:, :2]
     if len(points) < 2 * _LONGEST:
         return None
-    found = (np.median(np.abs(points[p:] - points[:-p]).max(axis=1)) for p in range(1, _LONGEST + 1))
-    return float(min(found))
+    return float(_least_scatter(points))
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def _least_scatter(points: Array) -> float:
+    least = np.inf
+    for period in range(1, _LONGEST + 1):
+        n = len(points) - period
+        off = np.empty(n)
+        for k in range(n):
+            first = abs(points[k + period, 0] - points[k, 0])
+            off[k] = max(first, abs(points[k + period, 1] - points[k, 1]))
+        least = min(least, np.median(off))
+    return least
 
 
 def probability_of(odds: float) -> float:

@@ -5,6 +5,7 @@ from numpy.typing import NDArray
 
 from seat_gear_dynamics.regimes import Regime, classify
 from seat_gear_dynamics.regimes.classification import undecided
+from seat_gear_dynamics.sensing.steadiness import Standing
 
 Array = NDArray[np.float64]
 
@@ -12,52 +13,74 @@ _RECORD = 192  # section points judged; at 1400 r/min half a second of the publi
 _SETTLING = 32  # section points after a change of drive that are left to the transient
 _EVERY = 16  # new section points between two judgements
 _TOLERANCE = 0.05  # b_c; measured speed is noisy, so a periodic motion recurs only to about this
+_ROOM = 4 * _RECORD  # points written before the last ones are moved to the front
+FREQUENCY_FLOOR = 0.005
+"""Change of dimensionless frequency that is none: 5 r/min of the packaged train, a bench's noise where it is coarse."""
+LOAD_FLOOR = 10.0
+"""N·m, likewise: twice the bench's noise, and a fifth of the way between two loads of a map."""
 
 
 class RegimeWatch:
     """Judges the motion so far from the section points that came since the drive last changed.
 
     A drive is steady while frequency stays within `frequency_tolerance` (relative) and load within `load_tolerance`
-    (relative) of where it was when the record began. Changing drives are undecided: a section of them mixes motions.
+    (relative) of where it was when the record began, as far as noise lets it be told: `Standing` has the test, which
+    gives a change below FREQUENCY_FLOOR or LOAD_FLOOR no weight. Changing drives are undecided: a section of them mixes
+    motions.
     """
 
     def __init__(self, *, frequency_tolerance: float = 0.01, load_tolerance: float = 0.05) -> None:
-        self._tolerances = (frequency_tolerance, load_tolerance)
+        self._frequency = Standing(frequency_tolerance, FREQUENCY_FLOOR)
+        self._load = Standing(load_tolerance, LOAD_FLOOR, held=True)
+        self._points = np.empty((_ROOM, 5))
         self.reset("no section point yet")
 
     def reset(self, reason: str) -> None:
-        """Forget the record; the regime is undecided with `reason` until there is a new one."""
-        self._points = np.empty((0, 5))
-        self._anchor: tuple[float, float] | None = None
+        """Forget record and noise; the regime is undecided with `reason` until there is a new record."""
+        self._frequency.forget()
+        self._load.forget()
+        self._begin(reason)
+
+    def add(self, points: Array, t: float, frequency: float, load: float) -> Regime:
+        """Take new section points, (n, 5) as `kernel.SECTION_COLUMNS`, met at this drive up to time `t`, s.
+
+        `frequency` is dimensionless, `load` in N·m; times must not decrease. Returns the regime.
+        """
+        moved = self._frequency.moved(t, frequency), self._load.moved(t, load)
+        if any(moved):
+            self._frequency.begin(t, frequency)
+            self._load.begin(t, load)
+            self._begin("the drive is not steady")
+        if len(points):
+            self._take(points)
+        return self.regime
+
+    def _begin(self, reason: str) -> None:
+        self._first = self._end = 0
         self._settling = _SETTLING
         self._fresh = 0
         self.regime: Regime = undecided(reason)
 
-    def add(self, points: Array, frequency: float, load: float) -> Regime:
-        """Take new section points, (n, 5) as `kernel.SECTION_COLUMNS`, met at this drive; return the regime."""
-        if self._anchor is None or self._moved(frequency, load):
-            reason = "the drive is not steady" if self._anchor is not None else "no section point yet"
-            self.reset(reason)
-            self._anchor = (frequency, load)
+    def _take(self, points: Array) -> None:
         dropped = min(self._settling, len(points))
         self._settling -= dropped
-        kept = points[dropped:]
-        if len(kept):
-            self._points = np.concatenate([self._points, kept])[-_RECORD:]
-            self._fresh += len(kept)
+        self._keep(points[max(dropped, len(points) - _RECORD) :])
+        self._fresh += len(points) - dropped
         if self._fresh >= _EVERY:
             self._fresh = 0
-            self.regime = self._judge()
-        return self.regime
+            self.regime = self._judge(self._points[self._first : self._end])
 
-    def _moved(self, frequency: float, load: float) -> bool:
-        assert self._anchor is not None
-        for now, then, tolerance in zip((frequency, load), self._anchor, self._tolerances, strict=True):
-            if abs(now - then) > tolerance * abs(then):
-                return True
-        return False
+    def _keep(self, points: Array) -> None:
+        """Write points behind those that are there; the last _RECORD count."""
+        if self._end + len(points) > _ROOM:
+            kept = self._end - self._first
+            self._points[:kept] = self._points[self._first : self._end]
+            self._first, self._end = 0, kept
+        self._points[self._end : self._end + len(points)] = points
+        self._end += len(points)
+        self._first = max(self._first, self._end - _RECORD)
 
-    def _judge(self) -> Regime:
+    def _judge(self, points: Array) -> Regime:
         # The drive's noise moves single periods; their mean is what the exponent is measured against.
-        interval = float(np.mean(np.diff(self._points[:, 0]))) if len(self._points) > 1 else 1.0
-        return classify(self._points[:, 1:3], self._points[:, 3], interval, tolerance=_TOLERANCE)
+        interval = float(np.mean(np.diff(points[:, 0]))) if len(points) > 1 else 1.0
+        return classify(points[:, 1:3], points[:, 3], interval, tolerance=_TOLERANCE)

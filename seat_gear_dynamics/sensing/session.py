@@ -16,9 +16,10 @@ from seat_gear_dynamics.sensing.virtual_sensor import VirtualSensor
 
 Array = NDArray[np.float64]
 
-SETTLING = 1.0
-"""s after the model was put at rest in which its motion is no evidence: some 400 mesh periods of the fast drives where
-chaos is met, which is what a map runs in too."""
+SETTLING = 1.5
+"""s after the model was put at rest in which its motion is no evidence: one second, some 400 mesh periods of the fast
+drives where chaos is met, which a map runs in too, and the half second of record that a judgement looks back on, which
+must hold none of them. Limit: transients that last longer are taken for motion of the machine."""
 
 
 @dataclass(frozen=True)

@@ -105,7 +105,7 @@ class VirtualSensor:
         self._last = (t, inputs)
         self.counts["accepted"] += 1
         points = np.concatenate(pieces) if pieces else np.empty((0, 5))
-        self._watch.add(points, inputs.frequency, load)
+        self._watch.add(points, t, inputs.frequency, load)
         return self._reading(t, speed, inputs, event, windows, points)
 
     def _check(self, t: float, speed: float, load: float) -> None:

@@ -16,13 +16,15 @@ from seat_gear_dynamics.views.colours import (
 from seat_gear_dynamics.views.live_state import LiveState
 
 WIDTH = 80
+HEIGHT = 20
+"""Columns and lines of the view; a terminal needs one line more, for the cursor."""
 _SCALE = 64
 """Columns of a full scale, beside its label."""
 _SPARKS = " ▁▂▃▄▅▆▇█"
 
 
 def render(state: LiveState) -> RenderableType:
-    """Return the view of `state`, at most 80 columns by 24 lines."""
+    """Return the view of `state`, WIDTH columns by HEIGHT lines."""
     body = Group(
         _progress(state),
         Text(),
@@ -50,7 +52,7 @@ def plain_line(state: LiveState) -> str:
 def _progress(state: LiveState) -> Text:
     now = _clock(state.elapsed)
     if state.duration is None:
-        return Text.assemble(f"{now}   ", ("Ctrl-C ends the run, completes the log and writes the report", "dim"))
+        return Text.assemble(f"{now}   ", (state.ending, "dim"))
     share = min(state.elapsed / state.duration, 1.0)
     filled = round(40 * share)
     left = _clock(max(state.duration - state.elapsed, 0.0))
@@ -164,7 +166,9 @@ def _recorder(state: LiveState) -> Text:
 
 
 def _clock(seconds: float) -> str:
-    return f"{int(seconds) // 60:02d}:{int(seconds) % 60:02d}"
+    minutes, rest = divmod(int(seconds), 60)
+    hours, minutes = divmod(minutes, 60)
+    return f"{hours}:{minutes:02d}:{rest:02d}" if hours else f"{minutes:02d}:{rest:02d}"
 
 
 def _number(value: float | None, form: str) -> str:

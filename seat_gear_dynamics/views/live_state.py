@@ -24,6 +24,8 @@ class LiveState:
     load_scale: float
     duration: float | None = None
     """Length of the run, s; None for an open end."""
+    ending: str = "Ctrl-C ends the run, completes the log and writes the report"
+    """What ends an open run, in words."""
     elapsed: float = 0.0
     speed_rpm: float | None = None
     load: float | None = None

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import Any
@@ -10,15 +11,19 @@ import numpy as np
 import pytest
 from rosbags.typesys import Stores, get_typestore
 
-from seat_gear_dynamics.gears import GearTrain
+from seat_gear_dynamics.commands import main
+from seat_gear_dynamics.gears import GearTrain, packaged_description
 from seat_gear_dynamics.gears.units import RPM
 from seat_gear_dynamics.logs import topics
 from seat_gear_dynamics.logs.analysis.rerun import rerun
+from seat_gear_dynamics.logs.analysis.what_if import MonitorSettings, other_bands, recorded_bands
 from seat_gear_dynamics.logs.errors import LogError
 from seat_gear_dynamics.logs.reader import Bag
 from seat_gear_dynamics.logs.topics import ORIGIN_NAMES
 from seat_gear_dynamics.logs.writer import BagWriter
-from seat_gear_dynamics.sensing import Session
+from seat_gear_dynamics.regimes import RegimeMap
+from seat_gear_dynamics.regimes.regime_map import fingerprint
+from seat_gear_dynamics.sensing import PACKAGED_MAP, BandSource, MapBands, Session, Verdict
 from seat_gear_dynamics.sensing.virtual_sensor import SENSOR_STATE_NAMES
 
 NewLog = Callable[..., BagWriter]
@@ -38,10 +43,29 @@ def joint(stamp: int, names: Sequence[str], **columns: Sequence[float]) -> bytes
     return bytes(STORE.serialize_cdr(message, topics.JOINT_STATE))
 
 
-def monitored(train: GearTrain, log: BagWriter, count: int, *, begin: int = 0, split: int | None = None) -> None:
-    """Do what the monitor does for `count` samples, and record it from sample `begin` on."""
-    session = Session(train)
-    for topic in (topics.MODEL_INPUT, topics.MODEL_STATE, topics.MESH_FORCE):
+def warning(verdict: Verdict, *, says_bands: bool) -> bytes:
+    """Return a serialized warning, with its bands as newer monitors name them."""
+    values = [STORE.types["diagnostic_msgs/msg/KeyValue"]("bands", verdict.bands)] if says_bands else []
+    level, kind = int(verdict.level), STORE.types[topics.DIAGNOSTIC_STATUS]
+    return bytes(STORE.serialize_cdr(kind(level, "w", verdict.reason, "", values), topics.DIAGNOSTIC_STATUS))
+
+
+def monitored(
+    train: GearTrain,
+    log: BagWriter,
+    count: int,
+    *,
+    begin: int = 0,
+    split: int | None = None,
+    bands: BandSource | None = None,
+    says_bands: bool | None = None,
+) -> None:
+    """Do what the monitor does for `count` samples, and record it from sample `begin` on.
+
+    Warnings are recorded too where it is given whether they say their bands.
+    """
+    session = Session(train, bands=bands)
+    for topic in (topics.MODEL_INPUT, topics.MODEL_STATE, topics.MESH_FORCE, topics.CHAOS_WARNING):
         log.add_topic(topic.absolute(), topic.type, topic.qos)
 
     def record(topic: topics.Topic, data: bytes, stamp: int) -> None:
@@ -53,7 +77,9 @@ def monitored(train: GearTrain, log: BagWriter, count: int, *, begin: int = 0, s
             log.split(START + k * STEP)
         stamp = START + k * STEP
         speed, load = (1000 + 500 * np.sin(k / 9)) * RPM, 600.0 + k % 7
-        session.feed((stamp - START) * 1e-9, speed, load)
+        verdict = session.feed((stamp - START) * 1e-9, speed, load).verdict
+        if says_bands is not None:
+            record(topics.CHAOS_WARNING, warning(verdict, says_bands=says_bands), stamp)
         record(topics.MODEL_INPUT, joint(stamp, ["s1"], velocity=[speed], effort=[load]), stamp)
         if k % 3 != 2:
             continue
@@ -195,3 +221,84 @@ def test_a_log_without_the_monitors_inputs_is_a_sentence(train: GearTrain, new_l
         log.add_topic("/a", topics.FLOAT64)
     with pytest.raises(LogError, match="no topic 'gear_monitor/input'"):
         rerun(log.directory, train)
+
+
+@pytest.fixture
+def chart(train: GearTrain) -> MapBands:
+    """Bands of a map of `train` with chaos from 700 to 1000 r/min, where nothing is published."""
+    speeds, loads = np.linspace(100, 2100, 21) * RPM, np.array([300.0, 900.0])
+    chaos = np.tile(((speeds >= 700 * RPM) & (speeds <= 1000 * RPM)).astype(float), (2, 1))
+    zeros = np.zeros(chaos.shape, dtype=np.int64)
+    found = RegimeMap(speeds, loads, zeros, zeros, chaos, chaos, chaos, chaos, 0, fingerprint(train), 1, 48)
+    return MapBands(found, train)
+
+
+def test_a_log_judged_by_a_map_is_replayed_with_it_bit_for_bit(
+    train: GearTrain, chart: MapBands, new_log: NewLog
+) -> None:
+    with new_log() as log:
+        monitored(train, log, 150, bands=chart, says_bands=True)
+    assert recorded_bands(Bag(log.directory)) == chart.label
+    same = rerun(log.directory, train, MonitorSettings(bands=chart))
+    assert same.identical
+    assert same.bands == (chart.label, chart.label)
+    other = rerun(log.directory, train)
+    assert other.bands == (chart.label, "published")
+    assert other.topics[0].equal == other.topics[0].messages == 50, "forces do not depend on bands"
+    assert other.topics[-1].equal < other.topics[-1].messages
+
+
+def test_a_log_that_does_not_say_its_bands_is_taken_for_the_published_ones(
+    train: GearTrain, chart: MapBands, new_log: NewLog
+) -> None:
+    with new_log() as log:
+        monitored(train, log, 60, says_bands=False)
+    assert recorded_bands(Bag(log.directory)) is None
+    assert rerun(log.directory, train).identical
+    assert rerun(log.directory, train, MonitorSettings(bands=chart)).bands == (None, chart.label)
+
+
+def test_a_log_without_warnings_names_no_bands(train: GearTrain, new_log: NewLog) -> None:
+    with new_log() as log:
+        monitored(train, log, 30)
+    assert recorded_bands(Bag(log.directory)) is None
+
+
+@pytest.mark.parametrize(
+    ("logged", "replayed", "words"),
+    [
+        (None, "published", None),
+        ("published", "published", None),
+        ("map 0123", "map 0123", None),
+        ("map 0123", "published", "of `map 0123`, the replay's by those of `published`"),
+        ("published", "map 0123", "of `published`, the replay's by those of `map 0123`"),
+        (None, "map 0123", "does not say"),
+    ],
+)
+def test_other_bands_are_said_in_words(logged: str | None, replayed: str, words: str | None) -> None:
+    found = other_bands(logged, replayed)
+    assert (found is None) == (words is None)
+    if words is not None:
+        assert found is not None
+        assert words in found
+
+
+def test_the_command_judges_by_a_map_and_says_that_the_log_was_judged_otherwise(
+    capsys: pytest.CaptureFixture[str],
+) -> None:
+    described = packaged_description()
+    log = str(Path(__file__).parents[2] / "bags" / "bench_dwell")
+    words = ["--system", str(described), "--map", str(described.with_name(PACKAGED_MAP)), "--json"]
+    assert main(["replay", log, *words]) == 0
+    values = json.loads(capsys.readouterr().out)
+    assert values["what_if"] is True
+    assert values["bands"]["logged"] in (None, "published")
+    assert values["bands"]["replayed"].startswith("map ")
+    assert values["other_bands"].count("`") in (2, 4)
+
+
+def test_the_command_refuses_what_is_no_map_in_one_sentence(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    (tmp_path / "map.npz").write_bytes(b"no map")
+    log = str(Path(__file__).parents[2] / "bags" / "bench_dwell")
+    assert main(["replay", log, "--map", str(tmp_path / "map.npz")]) == 1
+    assert "cannot be used" in capsys.readouterr().err

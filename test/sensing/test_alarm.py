@@ -200,7 +200,7 @@ def test_a_clock_that_steps_back_starts_the_alarm_afresh(alarm: Alarm, run: Run)
 def test_missing_input_is_stale_and_the_next_update_starts_afresh(alarm: Alarm, run: Run) -> None:
     run(alarm, [1700.0] * 50)
     verdict = alarm.stale("no speed for 1 s")
-    assert verdict == Verdict(STALE, "no speed for 1 s", False, None, None, None, None)
+    assert verdict == Verdict(STALE, "no speed for 1 s", False, None, None, None, None, bands="published")
     assert run(alarm, [1000.0], start=1.0)[0].level == OK
 
 

@@ -14,12 +14,15 @@ BANDS = (ForbiddenBand(100.0, 110.0, 600.0), ForbiddenBand(150.0, 160.0, 600.0))
 class Sliding:
     """One band, 10 rad/s wide, whose low edge is the load in N·m."""
 
-    name = "sliding"
+    name = label = "sliding"
     covered_speed = 1000.0
     follows_load = True
 
     def at(self, load: float) -> Bands:
         return (ForbiddenBand(load, load + 10.0, load),)
+
+    def forbids(self, speed: float, load: float) -> bool:
+        return load <= speed <= load + 10.0
 
     def beyond(self, speed: float, load: float) -> str | None:
         return None

@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 from seat_gear_dynamics.gears import ForbiddenBand, GearTrain, load_train, packaged_description
 from seat_gear_dynamics.gears.units import RPM
 from seat_gear_dynamics.regimes import MapError, RegimeMap
-from seat_gear_dynamics.sensing import PACKAGED_MAP, MapBands, PublishedBands
+from seat_gear_dynamics.sensing import PACKAGED_MAP, BandSource, MapBands, PublishedBands
 
 MakeMap = Callable[..., RegimeMap]
 STEP = 10.0  # rad/s from one speed of the made maps to the next
@@ -45,6 +45,36 @@ def test_a_gap_that_one_load_has_alone_is_closed(make_map: MakeMap, train: GearT
     found = MapBands(make_map([[0, 1, 1, 1, 1, 1, 1, 1, 0], split, split]), train)
     assert len(found.at(100.0)) == len(found.at(150.0)) == len(found.at(200.0)) == 1
     assert len(found.at(201.0)) == len(found.at(300.0)) == 2
+
+
+SHARES = st.lists(st.lists(st.floats(0, 1), min_size=9, max_size=9), min_size=2, max_size=4)
+
+
+@given(rows=SHARES, load=st.floats(100, 400) | st.sampled_from([100.0, 200.0, 300.0]), speed=st.floats(0, 100))
+def test_short_ways_give_what_the_long_ones_do_to_the_bit(
+    make_map: MakeMap, train: GearTrain, rows: list[list[float]], load: float, speed: float
+) -> None:
+    chart = make_map(rows)
+    found = MapBands(chart, train)
+    assert found.forbids(speed, load) == any(low <= speed <= high for low, high in spans(found, load))
+    if chart.covers(max(speed, STEP), load):
+        share = chart.probability_at(max(speed, STEP), load) * min(1.0, speed / STEP)
+        assert found.probability(speed, load) == (share + 0.5) / 2
+
+
+def test_a_label_names_what_the_bands_depend_on(make_map: MakeMap, train: GearTrain) -> None:
+    rows = [[0, 0, 1], [0, 1, 1]]
+    label = MapBands(make_map(rows), train).label
+    assert label == MapBands(make_map(rows), train).label
+    assert len(label.split()) == 2
+    others: list[BandSource] = [
+        MapBands(make_map([[0, 0, 1], [0, 0, 1]]), train),
+        MapBands(make_map(rows, samples=24), train),
+        MapBands(make_map(rows, first=11.0), train),
+        MapBands(make_map(rows), train, threshold=0.3),
+        PublishedBands.of(train),
+    ]
+    assert len({label, *(each.label for each in others)}) == 6
 
 
 BINARY_ROWS = st.lists(st.lists(st.sampled_from([0.0, 1.0]), min_size=9, max_size=9), min_size=2, max_size=4)

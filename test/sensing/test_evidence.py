@@ -114,6 +114,10 @@ def test_scatter_is_nothing_for_a_period_and_the_size_of_noise() -> None:
     index = np.arange(64)
     period = np.column_stack([0.5 * (index % 3), np.zeros(64), index])
     assert scatter_of(period) == 0.0
+    torn = np.random.default_rng(1).normal(size=(80, 3))
+    kept = torn[-64:, :2]
+    medians = [np.median(np.abs(kept[p:] - kept[:-p]).max(axis=1)) for p in range(1, 17)]
+    assert scatter_of(torn) == min(medians)  # the same operations in the same order
     assert scatter_of(period[:31]) is None
     found = [scatter_of(np.random.default_rng(seed).normal(size=(64, 2))) for seed in range(50)]
     # The median of the larger of two |differences|, each normal with deviation sqrt 2: P(|x| < m)² = 1/2, m = 1.516.

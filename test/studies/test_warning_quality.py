@@ -12,7 +12,7 @@ from seat_gear_dynamics.gears.units import RPM
 from seat_gear_dynamics.motion import System
 from seat_gear_dynamics.regimes import RegimeMap, simulate
 from seat_gear_dynamics.sensing import AlarmSettings, Level, PublishedBands
-from seat_gear_dynamics.studies.warning_quality.assess import assess, gathered, known_motions, outcome
+from seat_gear_dynamics.studies.warning_quality.assess import Assessment, assess, gathered, known_motions, outcome
 from seat_gear_dynamics.studies.warning_quality.machine import drawn_machine, machine_motions, machine_samples
 from seat_gear_dynamics.studies.warning_quality.run import SCORES, Record, play
 from seat_gear_dynamics.studies.warning_quality.scenarios import FAMILIES, Scenario, suite
@@ -119,6 +119,19 @@ def test_notice_is_what_stood_without_a_break_before_a_ramps_entry() -> None:
     assert notices(NO, inside) == [(200.0, 0.0)]
     assert notices(NO, between(1.1, 2)) == []
     assert notices(NO, inside, 0.0) == []
+
+
+def test_a_notice_goes_with_the_time_since_its_ramp_began() -> None:
+    inside = between(4, 6)
+    still = record(inside, NO, "ramp", 200.0)
+    moving = replace(still, speed=still.speed + np.where(still.time >= 2.5, 10 * RPM, 0.0))
+    found = scored(moving, told(inside=inside))
+    assert found.leads == [pytest.approx(1.5, abs=0.02)]
+    early = Tally(notices=[(200.0, 0.4), (200.0, 0.9), (50.0, 1.0)], leads=[0.5, 1.5, 2.0])
+    score = Assessment(early, {}, {}, {})
+    assert score.median_notice(200.0) == pytest.approx(0.65)
+    assert score.median_notice(200.0, lead=1.0) == 0.9
+    assert np.isnan(score.median_notice(400.0, lead=1.0))
 
 
 def test_chatter_is_counted_on_edges_once_settled() -> None:

@@ -22,7 +22,7 @@ from seat_gear_dynamics.logs.analysis.message_bytes import Joint, JointDecoder
 from seat_gear_dynamics.logs.analysis.occupancy import LONGEST_HOLD
 from seat_gear_dynamics.logs.analysis.resumption import Resumption, resumption
 from seat_gear_dynamics.logs.analysis.sources import holds
-from seat_gear_dynamics.logs.analysis.what_if import MonitorSettings
+from seat_gear_dynamics.logs.analysis.what_if import MonitorSettings, recorded_bands
 from seat_gear_dynamics.logs.errors import LogError
 from seat_gear_dynamics.logs.reader import Bag
 from seat_gear_dynamics.logs.schemas import Decoder
@@ -76,6 +76,8 @@ class Rerun:
     """Mesh → (logged, replayed) mean, min, max and rms over all compared messages, N."""
     level_seconds: tuple[dict[int, float], dict[int, float]]
     """s by warning level, as logged and as replayed."""
+    bands: tuple[str | None, str]
+    """Label of the bands that warnings were judged by: as the log says (None: it does not), and in the replay."""
     damage: str | None
     """What of the log could not be read: where inputs are missing, all that follows differs."""
 
@@ -120,7 +122,7 @@ def rerun(
     bag = Bag(path)
     bag.resolve(topics.MODEL_INPUT.name), bag.resolve(topics.MESH_FORCE.name)
     start = resumption(bag)
-    run = _Run(train, settings or MonitorSettings(), start)
+    run = _Run(train, settings or MonitorSettings(), start, recorded_bands(bag))
     total = bag.topics[bag.resolve(topics.MODEL_INPUT.name)].count
     for stamp, rank, message in heapq.merge(*_sequences(bag, amid=start.state is not None), key=lambda x: x[:2]):
         if stamp <= start.after_ns and rank != _WARNING:
@@ -188,10 +190,17 @@ class _Levels:
 class _Run:
     """The session under way and what has been compared so far."""
 
-    def __init__(self, train: GearTrain, settings: MonitorSettings, start: Resumption) -> None:
+    def __init__(
+        self, train: GearTrain, settings: MonitorSettings, start: Resumption, recorded_bands: str | None
+    ) -> None:
         self._session = Session(
-            train, settings=settings.alarm, max_gap=settings.max_gap, section_points=settings.section_points
+            train,
+            settings=settings.alarm,
+            bands=settings.bands,
+            max_gap=settings.max_gap,
+            section_points=settings.section_points,
         )
+        self._bands = (recorded_bands, self._session.alarm.source.label)
         self._begins = "first input" if start.state is None else "model state"
         if start.state is not None:
             self._session.resume(start.state)
@@ -231,6 +240,7 @@ class _Run:
             self._silences,
             {mesh: (totals[0][mesh], totals[1][mesh]) for mesh in MESHES},
             (dict(logged), dict(self._replayed.seconds)),
+            self._bands,
             damage,
         )
 

@@ -1,4 +1,4 @@
-"""Parameters other than the log's: a description with values replaced, and the alarm's settings by their node names."""
+"""Parameters other than the log's: a description with values replaced, the monitor's settings, the source of bands."""
 
 from __future__ import annotations
 
@@ -9,8 +9,12 @@ from typing import Any, NamedTuple
 import yaml
 
 from seat_gear_dynamics.gears.units import RPM
+from seat_gear_dynamics.logs import topics
+from seat_gear_dynamics.logs.analysis.sources import holds
 from seat_gear_dynamics.logs.errors import LogError
-from seat_gear_dynamics.sensing import AlarmSettings
+from seat_gear_dynamics.logs.reader import Bag
+from seat_gear_dynamics.logs.schemas import Decoder
+from seat_gear_dynamics.sensing import AlarmSettings, BandSource, PublishedBands
 
 _ALARM = {
     "margin_rpm": ("margin", RPM),
@@ -22,6 +26,8 @@ _ALARM = {
 _OTHERS = ("input_timeout", "section_points")
 MONITOR_NAMES = (*_ALARM, *_OTHERS)
 """Parameters of the monitor that a replay knows, by the monitor's names."""
+BANDS_KEY = "bands"
+"""The value of a warning that names the bands it was judged by: the label of their source."""
 
 
 class MonitorSettings(NamedTuple):
@@ -31,6 +37,8 @@ class MonitorSettings(NamedTuple):
     max_gap: float = 0.5
     """s"""
     section_points: int = 256
+    bands: BandSource | None = None
+    """None: the published ones."""
 
 
 def monitor_settings(given: Mapping[str, str]) -> MonitorSettings:
@@ -55,6 +63,34 @@ def monitor_settings(given: Mapping[str, str]) -> MonitorSettings:
         return MonitorSettings(AlarmSettings(**alarm), gap, int(points))
     except ValueError as error:
         raise LogError(str(error)) from error
+
+
+def recorded_bands(bag: Bag) -> str | None:
+    """Return the label of the bands that the log's first warning was judged by; None where none says it.
+
+    Limit: a monitor that took another map while the log ran is not noticed.
+    """
+    name = topics.CHAOS_WARNING.name
+    if not holds(bag, name):
+        return None
+    first = next(iter(bag.messages(name)), None)
+    if first is None:
+        return None
+    status = Decoder({}).decode(first.data, topics.DIAGNOSTIC_STATUS)
+    return {value.key: str(value.value) for value in status.values}.get(BANDS_KEY)
+
+
+def other_bands(logged: str | None, replayed: str) -> str | None:
+    """Return a sentence where a log and its replay were judged by bands of other labels.
+
+    None where they agree, or where the log does not say (`logged` None) and the replay has the published ones, which
+    are the monitor's default.
+    """
+    if (logged or PublishedBands.label) == replayed:
+        return None
+    if logged is None:
+        return f"The log does not say by which bands its warnings were judged; the replay's are of `{replayed}`."
+    return f"The log's warnings were judged by the bands of `{logged}`, the replay's by those of `{replayed}`."
 
 
 def with_values(text: str, given: Mapping[str, str]) -> str:

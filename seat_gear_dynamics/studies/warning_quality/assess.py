@@ -2,11 +2,13 @@
 
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
+from itertools import repeat
 
 import numpy as np
 from numpy.typing import NDArray
 
 from seat_gear_dynamics.gears import GearTrain
+from seat_gear_dynamics.plotting import Plottable
 from seat_gear_dynamics.regimes.regime_map import RegimeMap
 from seat_gear_dynamics.sensing import AlarmSettings, BandSource
 from seat_gear_dynamics.studies.warning_quality.machine import drawn_machine, machine_motions, machine_samples
@@ -32,7 +34,7 @@ class Outcome:
 
 
 @dataclass(frozen=True, eq=False)
-class Assessment:
+class Assessment(Plottable, figure="warning_quality:plot_assessment", table="studies:assessment_table"):
     """Scores of a suite."""
 
     whole: Tally
@@ -42,9 +44,13 @@ class Assessment:
     machine_rocs: dict[str, Roc]
     """By score, for the chaos of machines drawn within tolerances."""
 
-    def median_notice(self, acceleration: float) -> float:
-        """Return the median notice before ramps of `acceleration` (r/min per s), s; NaN where there was none."""
-        found = [notice for of, notice in self.whole.notices if of == acceleration]
+    def median_notice(self, acceleration: float, *, lead: float = 0.0) -> float:
+        """Return the median notice before ramps of `acceleration` (r/min per s), s; NaN where there was none.
+
+        Only ramps count that had begun `lead` (s) or more before they entered; where that is not known, it is 0.
+        """
+        ramps = zip(self.whole.notices, self.whole.leads or repeat(0.0))  # noqa: B905 (repeat has no end)
+        found = [notice for (of, notice), begun in ramps if of == acceleration and begun >= lead]
         return float(np.median(found)) if found else float("nan")
 
 

@@ -7,6 +7,8 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.special import chdtri
 
+from seat_gear_dynamics.gears.units import RPM
+from seat_gear_dynamics.plotting import Plottable
 from seat_gear_dynamics.sensing import AlarmSettings, Level
 from seat_gear_dynamics.studies.warning_quality.run import SCORES, Record
 from seat_gear_dynamics.studies.warning_quality.truth import Truth
@@ -26,13 +28,14 @@ MEMORY = 1.0
 """s for which a cause explains a level: hold 0.3, and the record of the motion, which may be half a second long."""
 AHEAD = 0.5
 """s that the second ROC looks ahead."""
+_MOVED = 1 * RPM  # rad/s from where a run began
 THINNED = 5  # samples from one to the next of the ROC: neighbours say the same
 _MAP_WARNS = 0.25  # probability by the map from which a warning is owed
 _THRESHOLDS = np.concatenate([[0.0], np.geomspace(1e-3, 0.5, 60), 1 - np.geomspace(0.5, 1e-3, 60)[1:], [1.0 + 1e-9]])
 
 
 @dataclass(frozen=True, eq=False)
-class Roc:
+class Roc(Plottable, figure="warning_quality:plot_roc", table="studies:roc_table"):
     """True and false positive rates over the thresholds of a score, from the highest to the lowest."""
 
     thresholds: Array
@@ -81,6 +84,9 @@ class Tally:
     """From the first sample beyond a band's edge to ERROR, s, of stays with ERROR."""
     notices: list[tuple[float, float]] = field(default_factory=list)
     """(acceleration in r/min per s, how long WARN or worse stood before a ramp's entry, s)."""
+    leads: list[float] = field(default_factory=list)
+    """For each of `notices` how long before its entry the drive had begun to move, s: before that nothing announces it
+    but a band nearby."""
 
     def __add__(self, other: "Tally") -> "Tally":
         values = {name: getattr(self, name) + getattr(other, name) for name in vars(self)}
@@ -209,3 +215,4 @@ def _notices(found: Tally, record: Record, true: Truth) -> None:
         standing = np.isin(warned, (Level.WARN, Level.ERROR))
         length = len(standing) if standing.all() else int(np.argmin(standing))
         found.notices.append((record.scenario.acceleration, min(length * step, LONGEST_NOTICE)))
+        found.leads.append((first - int(np.argmax(np.abs(record.speed - record.speed[0]) > _MOVED))) * step)

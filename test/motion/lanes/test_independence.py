@@ -1,6 +1,9 @@
 """A lane's numbers depend on its own inputs alone, to the last bit."""
 
+import subprocess
+import sys
 from collections.abc import Callable
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -9,7 +12,7 @@ from hypothesis import strategies as st
 from numpy.typing import NDArray
 
 from seat_gear_dynamics.gears import GearTrain
-from seat_gear_dynamics.motion import System, integrate
+from seat_gear_dynamics.motion import System, integrate, load_system
 from seat_gear_dynamics.motion.lanes import WIDTH, LaneResponse, respond_lanes
 from seat_gear_dynamics.motion.lanes.reduction import reduced
 from seat_gear_dynamics.motion.march import DivergedError
@@ -68,12 +71,39 @@ def test_the_order_of_lanes_changes_nothing(train: GearTrain, order: list[int]) 
         assert bits(shuffled, lane) == bits(straight, was)
 
 
+@pytest.mark.parametrize("shaft", [0.0, SHAFT])
 @pytest.mark.parametrize("threads", [2, 3, 8, None])
-def test_threads_change_nothing(train: GearTrain, threads: int | None) -> None:
-    chosen = points(5 * WIDTH + 1, seed=2)
-    one, many = respond(train, chosen, threads=1), respond(train, chosen, threads=threads)
+def test_threads_change_nothing(train: GearTrain, threads: int | None, shaft: float) -> None:
+    kind, chosen = train.with_shaft(shaft), points(5 * WIDTH + 1, seed=2)
+    one, many = respond(kind, chosen, threads=1), respond(kind, chosen, threads=threads)
     for lane in range(len(chosen[0])):
         assert bits(one, lane) == bits(many, lane)
+
+
+# Prints the bits of the odd lanes of a coupled and of a decoupled train, backwards, marched by two threads.
+_ELSEWHERE = """
+import sys
+import numpy as np
+from seat_gear_dynamics.motion import load_system
+from seat_gear_dynamics.motion.lanes import respond_lanes
+frequency, load = np.load(sys.argv[1])
+for shaft in (0.0, float(sys.argv[2])):
+    found = respond_lanes(load_system().train.with_shaft(shaft), frequency, load, transient=3, periods=2, threads=2)
+    parts = found.section, found.growth, found.windows, found.state
+    print(b"".join(np.ascontiguousarray(part[::-1]).tobytes() for part in parts).hex())
+"""
+
+
+def test_processes_change_nothing(tmp_path: Path) -> None:
+    frequency, load, _, _ = points(3 * WIDTH + 3, seed=3)
+    np.save(tmp_path / "points.npy", [frequency[1::2][::-1], load[1::2][::-1]])
+    command = [sys.executable, "-c", _ELSEWHERE, str(tmp_path / "points.npy"), str(SHAFT)]
+    elsewhere = subprocess.run(command, check=True, capture_output=True, text=True).stdout.split()
+    for shaft, bits_elsewhere in zip((0.0, SHAFT), elsewhere, strict=True):
+        kind = load_system().train.with_shaft(shaft)
+        found = respond_lanes(kind, frequency, load, transient=3, periods=2, threads=1)
+        parts = found.section, found.growth, found.windows, found.state
+        assert b"".join(np.ascontiguousarray(part[1::2]).tobytes() for part in parts).hex() == bits_elsewhere
 
 
 def test_tangent_and_statistics_change_no_motion(train: GearTrain) -> None:

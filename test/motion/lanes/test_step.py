@@ -120,6 +120,25 @@ def test_the_tangent_is_the_difference_of_two_steps_where_no_contact_changes(
         assert found == pytest.approx((second - first)[offset : offset + n] / 0.01, abs=1e-11)
 
 
+def test_the_ends_of_a_shaft_hold_each_other_with_equal_force(train: GearTrain) -> None:
+    # Without supports a shaft twists by w·q: the acceleration of each end over its share of the twist, times its
+    # inertia, is the same force; and a turn of both that leaves the shaft untwisted pulls at neither (action and
+    # reaction).
+    kind = train.with_shaft(SHAFT)
+    gears = [replace(g, torsional_stiffness=0.0) for g in kind.gears]
+    meshes = [replace(m, driver=a, driven=b) for m, a, b in zip(kind.meshes, gears[::2], gears[1::2], strict=True)]
+    ready = made_ready(replace(kind, meshes=(meshes[0], meshes[1])), random_states(train, 0, 1), 0.5, 0.0, 2)
+    table, _ = rows(ready.structure, [(ready, np.array([0]))])
+    value = {name: table[index, 0] for name, index in ready.structure.row.items()}
+    (w2, w3), (g2, g3) = ready.reduced.shaft_weight, ready.reduced.shaft_gain
+    for kind_of_row in "QV":
+        own, far = value[f"E3_OF_{kind_of_row}3"], value[f"E3_OF_{kind_of_row}5"]
+        assert own * w3 == pytest.approx(far * w2, rel=1e-12)  # untwisted: q3 = w3, q5 = -w2
+        assert value[f"E5_OF_{kind_of_row}3"] * g2 == pytest.approx(own * g3, rel=1e-12)
+        assert value[f"E5_OF_{kind_of_row}5"] * g2 == pytest.approx(far * g3, rel=1e-12)
+        assert own < 0
+
+
 def test_an_undamped_oscillator_steps_by_the_stability_polynomial(train: GearTrain) -> None:
     # Classical Runge-Kutta turns exp(iz) into 1 + iz − z²/2 − iz³/6 + z⁴/24 (Hairer & Wanner 1996, IV.2). Without
     # mesh forces u1 is such an oscillator, seen from Q and V in half steps: z = 2·sqrt(k).
