@@ -53,6 +53,11 @@ def main(arguments: Sequence[str] | None = None) -> int:
     except _expected() as error:
         print(f"error: {error}", file=sys.stderr)
         return 1
+    except Exception as error:
+        # Interrupted while it started, a pool of processes fails to clean up: still the end that was asked for.
+        if isinstance(error.__context__, KeyboardInterrupt):
+            return 130
+        raise
 
 
 def _compilation_told(parsed: argparse.Namespace) -> AbstractContextManager[None]:

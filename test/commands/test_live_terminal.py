@@ -102,7 +102,7 @@ def test_the_monitor_shows_the_view_keeps_its_log_above_and_ends_with_ctrl_c(pro
 def test_a_small_terminal_gets_one_line() -> None:
     terminal = PseudoTerminal([*SEAT_GEAR, "monitor"], size=(60, 12))
     try:
-        terminal.read_until("STALE: no input")
+        terminal.read_until("STALE: no ")
         terminal.type(CTRL_C)
         assert terminal.read_to_end() == 0
         assert "╭" not in terminal.shown
@@ -114,7 +114,7 @@ def test_a_small_terminal_gets_one_line() -> None:
 def test_a_dumb_terminal_gets_plain_lines() -> None:
     terminal = PseudoTerminal([*SEAT_GEAR, "monitor"], TERM="dumb")
     try:
-        terminal.read_until("STALE: no input")
+        terminal.read_until("STALE: no ")
         terminal.type(CTRL_C)
         assert terminal.read_to_end() == 0
         assert "\x1b" not in terminal.shown
@@ -130,7 +130,7 @@ def test_a_pipe_gets_plain_lines_whatever_colour_is_forced_and_sigterm_ends_it(t
         process = subprocess.Popen(command, stdout=subprocess.PIPE, stderr=errors, text=True, env=environment)
         assert process.stdout is not None
         lines = [next(process.stdout)]
-        while "STALE: no input" not in lines[-1]:
+        while "STALE: no " not in lines[-1]:
             lines.append(next(process.stdout))
         process.send_signal(signal.SIGTERM)
         rest, _ = process.communicate(timeout=60)

@@ -2,6 +2,7 @@
 
 import math
 import random
+import signal
 import re
 from collections.abc import Callable
 from typing import Any
@@ -200,6 +201,26 @@ def test_jitter_and_bursts_restart_nothing(processes: Processes, peer: Peer, hea
     assert peer.level() == OK
     assert health.value("restarts, gap", "solver") == 0
     assert health.value("refused, late") == 0
+
+
+def test_a_monitor_that_was_held_up_calls_no_input_silent_that_waits_in_its_queue(
+    processes: Processes, peer: Peer
+) -> None:
+    monitor = processes.node("monitor")
+    peer.wait_for_subscriber("motor/speed")
+    peer.drive_until(900.0, lambda: peer.level() == OK, "OK at 900 r/min")
+    heard, sent = len(peer.warnings()), 0
+
+    def send() -> None:
+        nonlocal sent
+        sent += 1
+        peer.drive(900.0)
+
+    monitor.send_signal(signal.SIGSTOP)
+    paced(peer, lambda: 0.01, send, lambda: sent > 100, "a second of samples, twice the timeout")
+    monitor.send_signal(signal.SIGCONT)
+    paced(peer, lambda: 0.01, send, lambda: len(peer.warnings()) > heard + 10, "a second of warnings")
+    assert {each.level[0] for each in peer.warnings()[heard:]} == {OK}
 
 
 def test_the_steps_of_a_hall_sensor_are_no_alarm_and_no_chatter(
