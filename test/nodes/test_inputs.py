@@ -2,8 +2,8 @@
 
 import math
 import random
-import signal
 import re
+import signal
 from collections.abc import Callable
 from typing import Any
 
