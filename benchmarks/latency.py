@@ -60,7 +60,7 @@ def measure(*, short: bool = False, rate: float = RATE, progress: Callable[[str]
 
 def run(count: int, rate: float) -> dict[str, Any]:
     """Return one condition's figures: percentiles of trip and warning, ms, and how many samples went unanswered."""
-    domain = random.SystemRandom().randrange(1, 200)
+    domain = random.SystemRandom().randrange(1, 100)
     with (
         tempfile.TemporaryDirectory(prefix="seat_gear_latency_") as folder,
         monitor(domain, Path(folder)),

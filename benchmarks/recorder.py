@@ -316,7 +316,7 @@ def main() -> None:
     parser.add_argument("--senders", type=int, default=2, help="processes that flood the recorder")
     parser.add_argument("--kills", type=int, default=0, help="kill the recorder process so often, too")
     arguments = parser.parse_args()
-    os.environ["ROS_DOMAIN_ID"] = str(random.SystemRandom().randrange(1, 200))
+    os.environ["ROS_DOMAIN_ID"] = str(random.SystemRandom().randrange(1, 100))
     with tempfile.TemporaryDirectory() as made:
         folder = Path(made)
         figures, library = loops_run(folder)

@@ -46,7 +46,7 @@ def measure(
     lasting = minutes or (SHORT_MINUTES if short else MINUTES)
     if progress is not None:
         progress(f"soak, {lasting:g} simulated minutes")
-    domain = random.SystemRandom().randrange(1, 200)
+    domain = random.SystemRandom().randrange(1, 100)
     with (
         tempfile.TemporaryDirectory(prefix="seat_gear_soak_") as folder,
         monitor(domain, Path(folder)) as process,

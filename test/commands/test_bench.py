@@ -25,7 +25,7 @@ BENCH = [sys.executable, "-m", "seat_gear_dynamics", "bench"]
 
 @pytest.fixture(scope="module")
 def environment() -> dict[str, str]:
-    return {**os.environ, "ROS_DOMAIN_ID": str(random.SystemRandom().randrange(1, 200))}
+    return {**os.environ, "ROS_DOMAIN_ID": str(random.SystemRandom().randrange(1, 100))}
 
 
 @pytest.fixture(scope="module")

@@ -22,7 +22,7 @@ UP = "\x1b[1A"
 
 @pytest.fixture(autouse=True)
 def _domain(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setenv("ROS_DOMAIN_ID", str(random.SystemRandom().randrange(1, 200)))
+    monkeypatch.setenv("ROS_DOMAIN_ID", str(random.SystemRandom().randrange(1, 100)))
 
 
 @pytest.fixture

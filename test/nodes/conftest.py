@@ -14,8 +14,11 @@ _USED: set[int] = set()
 
 @pytest.fixture
 def domain_id(monkeypatch: pytest.MonkeyPatch) -> int:
-    """A DDS domain that no other test of this run uses."""
-    number = random.SystemRandom().choice([n for n in range(1, 200) if n not in _USED])
+    """A DDS domain that no test of this run has used, or once all were used, that none has used of late."""
+    if len(_USED) > 80:
+        _USED.clear()
+    # Up to 99: the ports of those above lie where Linux takes the ports of outgoing traffic from, and may be taken.
+    number = random.SystemRandom().choice([n for n in range(1, 100) if n not in _USED])
     _USED.add(number)
     monkeypatch.setenv("ROS_DOMAIN_ID", str(number))
     return number
@@ -37,7 +40,9 @@ def peer(domain_id: int) -> Iterator[Peer]:
     import rclpy
 
     rclpy.init(args=[], domain_id=domain_id)
-    made = Peer()
-    yield made
-    made.node.destroy_node()
-    rclpy.try_shutdown()
+    try:
+        made = Peer()
+        yield made
+        made.node.destroy_node()
+    finally:
+        rclpy.try_shutdown()

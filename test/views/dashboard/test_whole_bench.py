@@ -26,7 +26,7 @@ DASHBOARD = ("-m", "seat_gear_dynamics", "dashboard")
 @pytest.fixture
 def domain_id(monkeypatch: pytest.MonkeyPatch) -> int:
     """A DDS domain that hardly anybody else uses at this moment."""
-    number = random.SystemRandom().randrange(1, 200)
+    number = random.SystemRandom().randrange(1, 100)
     monkeypatch.setenv("ROS_DOMAIN_ID", str(number))
     return number
 
