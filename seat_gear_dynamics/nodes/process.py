@@ -25,12 +25,16 @@ def run(make: Callable[[], Node], args: Sequence[str] | None = None) -> int:
 def run_together(makes: Iterable[Callable[[], Node]], args: Sequence[str] | None = None) -> int:
     """Run several nodes in this process as `run` does one: one executor, made and closed in their order."""
     nodes: list[Node] = []
+    told: list[int] = []
     # rclpy shuts its context down on SIGINT as on SIGTERM and then calls the handler that was there before. Python's
-    # would raise KeyboardInterrupt at any line, also amid a compilation or a write to the log; this one lets that line
-    # finish, and the end comes through the context alone.
-    signal.signal(signal.SIGINT, lambda number, frame: None)
+    # would raise KeyboardInterrupt at any line, also amid a compilation or a write to the log, or end the process; this
+    # one lets that line finish, and the end comes through the context alone. It stands again once rclpy has gone.
+    for number in (signal.SIGINT, signal.SIGTERM):
+        signal.signal(number, lambda number, frame: told.append(number))
     try:
         _begin(args)
+        if told:  # before rclpy listened
+            return 0
         executor = SingleThreadedExecutor()  # before the nodes speak: rclpy cannot make one amid a shutdown
         for make in makes:
             nodes.append(_made(make))
@@ -55,6 +59,10 @@ def run_together(makes: Iterable[Callable[[], Node]], args: Sequence[str] | None
         for node in nodes:
             node.destroy_node()
         rclpy.try_shutdown()
+        # Only the interpreter's own end is left, in which Python handlers are gone: a second signal, as launch files
+        # send it, would make a clean end look like a killed process.
+        for number in (signal.SIGINT, signal.SIGTERM):
+            signal.signal(number, signal.SIG_IGN)
     return 0
 
 
