@@ -20,6 +20,33 @@ REASONS = (
 _LATE = 0.1  # s; a sample that waited so long says that the node falls behind, or that clocks differ
 
 
+class Wakefulness:
+    """Tells ticks just after the node was held up, when messages that came meanwhile may still be unread.
+
+    Executors call timers before subscriptions, and after a pause the next tick may follow at once, before the
+    middleware has read its sockets: a busy machine would make an input silent that is not.
+    """
+
+    def __init__(self, now: int) -> None:
+        """Start at `now`, ns, a period before the first tick."""
+        self._ticked = now
+        self._excused_until = 0
+        self._was_excused = False
+
+    def just_woke(self, now: int, period: int) -> bool:
+        """Return whether this tick, one each `period` (ns), came late, or within a period after one that did.
+
+        Limit: whoever is late at every tick is excused at every other one, not for ever.
+        """
+        ticked, self._ticked = self._ticked, now
+        if now < self._excused_until:
+            return True
+        late = now - ticked > 2 * period
+        self._was_excused = late and not self._was_excused
+        self._excused_until = now + period if self._was_excused else 0
+        return self._was_excused
+
+
 class InputHealth:
     """Follows one quantity, speed or load; times are those of the node's clock, in ns."""
 

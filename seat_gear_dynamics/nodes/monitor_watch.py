@@ -9,6 +9,7 @@ from rclpy.lifecycle import LifecycleNode
 
 from seat_gear_dynamics.gears import DescriptionError, GearTrain, load_train, packaged_description
 from seat_gear_dynamics.nodes.diagnostics import Updater
+from seat_gear_dynamics.nodes.input_health import Wakefulness
 from seat_gear_dynamics.nodes.intake import Intake, Limits
 from seat_gear_dynamics.nodes.monitor_health import SolverHealth, WarningHealth
 from seat_gear_dynamics.nodes.monitor_outputs import Outputs
@@ -52,7 +53,6 @@ class Watch:
         self._state_ticker = StateTicker(settings["state_period"])
         self._forces_due = False
         self._stamp_ns = 0
-        self._ticked_ns: int | None = None
         self._timers: list[Any] = []
 
     def start(self) -> None:
@@ -95,11 +95,13 @@ class Watch:
     def stepped_back(self) -> None:
         """Start over: the clock stepped back, and what was timed by it means nothing any more."""
         self._intake.stepped_back()
+        self._wakefulness = Wakefulness(self._now())
         self._session.reset()
         self._solver.pace(self._settings["publish_rate"])
 
     def _make_timers(self) -> None:
         self._destroy_timers()
+        self._wakefulness = Wakefulness(self._now())
         self._solver.pace(self._settings["publish_rate"])
         self._timers = [
             self._node.create_timer(1.0 / self._settings["publish_rate"], self._on_publish),
@@ -143,22 +145,13 @@ class Watch:
             self._outputs.state(model_state(self._stamp_ns, self._intake.origin_ns, self._session))
 
     def _on_warning(self) -> None:
-        just_woke, silence = self._just_woke(), self._intake.silence()
+        just_woke = self._wakefulness.just_woke(self._now(), int(1e9 / self._settings["warning_rate"]))
+        silence = self._intake.silence()
         if silence is not None and not just_woke:
             self._session.silence(silence)
         self._publish_warning()
         if self._session.reading is not None:
             self._outputs.section(self._stamp_ns, self._session.section, self._intake.origin_ns)
-
-    def _just_woke(self) -> bool:
-        """Return whether this tick is the first after the node was held up, with samples perhaps still unread.
-
-        Executors call timers before subscriptions, so a busy machine would else make an input silent that is not.
-        """
-        now, period = self._now(), 1e9 / self._settings["warning_rate"]
-        held_up = self._ticked_ns is not None and now - self._ticked_ns > 2 * period
-        self._ticked_ns = None if held_up else now  # two such ticks in a row do not put it off again
-        return held_up
 
     def _publish_warning(self) -> None:
         self._outputs.warn(self._session.verdict, self._session.reading)

@@ -2,7 +2,6 @@
 
 import json
 import os
-import random
 import signal
 import subprocess
 import sys
@@ -11,6 +10,7 @@ from time import monotonic, sleep
 from typing import Any
 
 import pytest
+from domains import fresh_domain
 from mcap.reader import make_reader
 from rosbags.highlevel import AnyReader
 
@@ -25,7 +25,7 @@ BENCH = [sys.executable, "-m", "seat_gear_dynamics", "bench"]
 
 @pytest.fixture(scope="module")
 def environment() -> dict[str, str]:
-    return {**os.environ, "ROS_DOMAIN_ID": str(random.SystemRandom().randrange(1, 100))}
+    return {**os.environ, "ROS_DOMAIN_ID": str(fresh_domain())}
 
 
 @pytest.fixture(scope="module")

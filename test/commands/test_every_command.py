@@ -1,7 +1,6 @@
 """What holds for every command: examples that run, one JSON object, wrong use in one line, help in 80 columns."""
 
 import json
-import random
 import shlex
 import shutil
 import signal
@@ -12,6 +11,7 @@ from pathlib import Path
 from typing import Any
 
 import pytest
+from domains import fresh_domain
 
 from seat_gear_dynamics.commands import COMMANDS, main
 
@@ -57,7 +57,7 @@ def workshop(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     (tmp_path / "bags").mkdir()
     shutil.copytree(BAGS / "third_party_bench", tmp_path / "bags" / "third_party_bench")
     monkeypatch.chdir(tmp_path)
-    monkeypatch.setenv("ROS_DOMAIN_ID", str(random.SystemRandom().randrange(1, 100)))
+    monkeypatch.setenv("ROS_DOMAIN_ID", str(fresh_domain()))
     return tmp_path
 
 

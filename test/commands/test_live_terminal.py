@@ -1,7 +1,6 @@
 """Commands in a terminal (a pseudo one): drawn in 80x24, ended by Ctrl-C from its keyboard, left clean."""
 
 import os
-import random
 import re
 import signal
 import subprocess
@@ -10,6 +9,7 @@ from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
+from domains import fresh_domain
 from harness import Processes
 from pseudo_terminal import PseudoTerminal
 
@@ -22,7 +22,7 @@ UP = "\x1b[1A"
 
 @pytest.fixture(autouse=True)
 def _domain(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setenv("ROS_DOMAIN_ID", str(random.SystemRandom().randrange(1, 100)))
+    monkeypatch.setenv("ROS_DOMAIN_ID", str(fresh_domain()))
 
 
 @pytest.fixture

@@ -3,7 +3,7 @@
 import pytest
 
 from seat_gear_dynamics.nodes.diagnostics import Composite, Status, Updater
-from seat_gear_dynamics.nodes.input_health import InputHealth, SampleHealth
+from seat_gear_dynamics.nodes.input_health import InputHealth, SampleHealth, Wakefulness
 from seat_gear_dynamics.sensing import Level
 
 SECOND = 10**9
@@ -142,3 +142,14 @@ def test_a_sample_far_from_its_time_is_named(ns: int, words: str) -> None:
     samples.run(status)
     assert status.level == Level.WARN
     assert words in status.text
+
+
+def test_a_tick_that_comes_late_is_excused_and_what_follows_within_a_period_too() -> None:
+    wakefulness = Wakefulness(0)
+    ticks = {100: False, 200: False, 390: False, 1300: True, 1301: True, 1399: True, 1400: False, 1500: False}
+    assert {now: wakefulness.just_woke(now, 100) for now in ticks} == ticks
+
+
+def test_who_is_late_at_every_tick_is_excused_at_every_other_one() -> None:
+    wakefulness = Wakefulness(0)
+    assert [wakefulness.just_woke(now, 100) for now in range(300, 1500, 300)] == [True, False, True, False]

@@ -220,7 +220,8 @@ def test_a_monitor_that_was_held_up_calls_no_input_silent_that_waits_in_its_queu
     paced(peer, lambda: 0.01, send, lambda: sent > 100, "a second of samples, twice the timeout")
     monitor.send_signal(signal.SIGCONT)
     paced(peer, lambda: 0.01, send, lambda: len(peer.warnings()) > heard + 10, "a second of warnings")
-    assert {each.level[0] for each in peer.warnings()[heard:]} == {OK}
+    said = [(each.level[0], each.message) for each in peer.warnings()[heard:]]
+    assert {level for level, _ in said} == {OK}, said
 
 
 def test_the_steps_of_a_hall_sensor_are_no_alarm_and_no_chatter(

@@ -2,29 +2,23 @@
 
 from __future__ import annotations
 
-import random
 import time
 from collections.abc import Callable, Iterator
 from typing import Any
 
 import pytest
+from domains import fresh_domain
 from programs import PATIENCE, MakeNode, Program, Run, SpinUntil
 
 from seat_gear_dynamics.runtime.context import Context
 from seat_gear_dynamics.runtime.executor import SingleThreadedExecutor
 from seat_gear_dynamics.runtime.node import Node
 
-_used_domains: set[int] = set()
-
 
 @pytest.fixture
 def domain_id() -> int:
-    """A DDS domain no other test of this run has."""
-    domain = random.SystemRandom().choice(sorted(set(range(1, 201)) - _used_domains))
-    _used_domains.add(domain)
-    if len(_used_domains) > 180:
-        _used_domains.clear()
-    return domain
+    """The test's DDS domain."""
+    return fresh_domain()
 
 
 @pytest.fixture

@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 import os
-import random
 import shutil
 import subprocess
 from collections.abc import Iterator
 
 import pytest
+from domains import fresh_domain
 from programs import PREAMBLE, Program
 from ros import PATH, REAL_RCLPY
 
@@ -45,8 +45,8 @@ rclpy.spin(node)
 
 @pytest.fixture(scope="module")
 def domain() -> int:
-    """One domain for the node and all tools, beyond those of the other tests."""
-    return random.SystemRandom().randrange(201, 231)
+    """One domain for the node and all tools."""
+    return fresh_domain()
 
 
 @pytest.fixture(scope="module", autouse=True)

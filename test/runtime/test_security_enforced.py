@@ -4,13 +4,13 @@ from __future__ import annotations
 
 import importlib.util
 import os
-import random
 import shutil
 import subprocess
 from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
+from domains import fresh_domain
 from programs import ROOT, Program
 from ros import REAL_RCLPY
 
@@ -141,8 +141,8 @@ def make_keys(folder: Path, domain: int) -> Path:
 
 @pytest.fixture(scope="module")
 def domain() -> int:
-    """One domain for the site, beyond those of the other tests."""
-    return random.SystemRandom().randrange(201, 231)
+    """One domain for the site."""
+    return fresh_domain()
 
 
 @pytest.fixture(scope="module")

@@ -1,5 +1,10 @@
 """Sensor and alarm together, as the node, the command line and a replay use them."""
 
+import os
+import subprocess
+import sys
+from pathlib import Path
+
 import numpy as np
 import pytest
 
@@ -124,3 +129,39 @@ def test_gap_reaches_the_sensor(train: GearTrain) -> None:
     session = Session(train, max_gap=0.05)
     session.feed(0.0, 50.0, LOAD)
     assert session.feed(0.06, 50.0, LOAD).reading.event == "gap"
+
+
+# Runs every profile of the bench after a warm-up, with and without a map, and prints what is compiled meanwhile.
+_PROGRAM = """
+from numba.core.event import Listener, install_listener
+from seat_gear_dynamics.bench.drive import SimulatedBench
+from seat_gear_dynamics.bench.profiles import PROFILES
+from seat_gear_dynamics.gears import load_train, packaged_description
+from seat_gear_dynamics.regimes.regime_map import RegimeMap
+from seat_gear_dynamics.sensing import PACKAGED_MAP, MapBands, PublishedBands, Session, warm_up
+
+class Compiled(Listener):
+    def on_start(self, event):
+        print(event.data["dispatcher"])
+    def on_end(self, event):
+        pass
+
+train = load_train()
+warm_up(train)
+with packaged_description().with_name(PACKAGED_MAP).open("rb") as file:
+    map_bands = MapBands(RegimeMap.load(file, train), train)
+with install_listener("numba:compile", Compiled()):
+    for bands in (PublishedBands.of(train), map_bands):
+        for profile in PROFILES.values():
+            session, bench = Session(train, bands=bands), SimulatedBench(profile)
+            while (sample := bench.step()).t < min(profile.duration, 30.0):
+                session.feed(sample.t, sample.speed, sample.load)
+                session.take_windows()
+print("ran")
+"""
+
+
+def test_after_warming_up_nothing_is_compiled_in_a_running_drive(tmp_path: Path) -> None:
+    environment = os.environ | {"NUMBA_CACHE_DIR": str(tmp_path)}
+    done = subprocess.run([sys.executable, "-c", _PROGRAM], env=environment, check=True, capture_output=True, text=True)
+    assert done.stdout.split("\n")[:-1] == ["ran"]

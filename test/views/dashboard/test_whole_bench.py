@@ -2,12 +2,10 @@
 
 import json
 import os
-import random
 import signal
 import subprocess
 import sys
 import threading
-from collections.abc import Iterator
 from pathlib import Path
 from time import monotonic
 from typing import Any
@@ -15,40 +13,14 @@ from typing import Any
 import numpy as np
 import pytest
 from harness import PATIENCE, Peer, Processes
+from node_fixtures import domain_id, peer, processes
 
-import seat_gear_dynamics.nodes  # noqa: F401  (makes rclpy importable)
 from seat_gear_dynamics.commands import main
 from seat_gear_dynamics.logs.reader import Bag
 
+__all__ = ["domain_id", "peer", "processes"]
+
 DASHBOARD = ("-m", "seat_gear_dynamics", "dashboard")
-
-
-@pytest.fixture
-def domain_id(monkeypatch: pytest.MonkeyPatch) -> int:
-    """A DDS domain that hardly anybody else uses at this moment."""
-    number = random.SystemRandom().randrange(1, 100)
-    monkeypatch.setenv("ROS_DOMAIN_ID", str(number))
-    return number
-
-
-@pytest.fixture
-def processes(domain_id: int, tmp_path: Path) -> Iterator[Processes]:
-    folder = tmp_path / "words"
-    folder.mkdir()
-    started = Processes(folder)
-    yield started
-    started.close()
-
-
-@pytest.fixture
-def peer(domain_id: int) -> Iterator[Peer]:
-    import rclpy
-
-    rclpy.init(args=[], domain_id=domain_id)
-    made = Peer()
-    yield made
-    made.node.destroy_node()
-    rclpy.try_shutdown()
 
 
 def started(processes: Processes, *arguments: str) -> tuple[subprocess.Popen[bytes], dict[str, Any]]:
