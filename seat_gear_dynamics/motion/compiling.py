@@ -10,7 +10,7 @@ from typing import Any
 
 from numba.core.event import Listener, install_listener
 
-Announce = Callable[[str], None]
+Announce = Callable[[str], object]
 """Gets a sentence for people before something that takes some seconds."""
 
 COMPILING = "Compiling the gear model for this machine's processor: some seconds, once; then it is kept."

@@ -38,8 +38,7 @@ class Watch:
         self._session = Session(
             train, settings=alarm_settings(settings), bands=bands, max_gap=gap, section_points=points
         )
-        node.get_logger().info("compiling the gear model for this machine (seconds once, then cached)")
-        warm_up(train)
+        warm_up(train, announce=node.get_logger().info)
         name = node.get_fully_qualified_name().lstrip("/")  # in /diagnostics two nodes must not share a name
         events = QosEvents(self._complain)
         limits = Limits(

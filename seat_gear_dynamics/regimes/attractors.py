@@ -3,14 +3,17 @@
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import cached_property
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
-from scipy.spatial import KDTree
 
 from seat_gear_dynamics.motion import System, Window
 from seat_gear_dynamics.regimes.classification import Regime
 from seat_gear_dynamics.regimes.points import Motion, Point, regime_of, respond
+
+if TYPE_CHECKING:  # half a second and 28 MB that the monitor, which never asks for coexisting motions, would pay too
+    from scipy.spatial import KDTree
 
 Array = NDArray[np.float64]
 Labels = NDArray[np.int64]
@@ -31,10 +34,16 @@ def separation(first: Array, second: Array) -> float:
     """
     if not len(first) or not len(second):
         raise ValueError(f"Sections of {len(first)} and {len(second)} points were compared; expected one at least.")
-    return _separation(KDTree(first), KDTree(second))
+    return _separation(_tree(first), _tree(second))
 
 
-def _separation(first: KDTree, second: KDTree) -> float:
+def _tree(section: Array) -> "KDTree":
+    from scipy.spatial import KDTree
+
+    return KDTree(section)
+
+
+def _separation(first: "KDTree", second: "KDTree") -> float:
     there, _ = second.query(first.data)
     back, _ = first.query(second.data)
     return float(max(there.mean(), back.mean()))
@@ -62,8 +71,8 @@ class Attractor:
     """A state on it at mesh phase 0, (24,): the start of a run that stays there."""
 
     @cached_property
-    def _tree(self) -> KDTree:
-        return KDTree(self.section)
+    def _tree(self) -> "KDTree":
+        return _tree(self.section)
 
     @cached_property
     def _scatter(self) -> float:
@@ -123,7 +132,7 @@ def _match(found: list[Attractor], reached: Motion, tolerance: float) -> int:
 
 
 def _nearest(known: Sequence[Attractor], section: Array, tolerance: float) -> int | None:
-    tree, own = KDTree(section), scatter(section)
+    tree, own = _tree(section), scatter(section)
     distances = [_separation(each._tree, tree) for each in known]
     # A record that has not settled yet may be near several motions: it belongs to the nearest.
     for index in np.argsort(distances):

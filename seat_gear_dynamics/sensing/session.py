@@ -7,6 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from seat_gear_dynamics.gears import GearTrain
+from seat_gear_dynamics.motion.compiling import Announce, announced
 from seat_gear_dynamics.regimes import warm_up as warm_up_judgement
 from seat_gear_dynamics.sensing.alarm import Alarm, AlarmSettings, Verdict
 from seat_gear_dynamics.sensing.bands import BandSource, PublishedBands
@@ -110,12 +111,14 @@ class Session:
         return Change(reading, verdict, changed)
 
 
-def warm_up(train: GearTrain) -> None:
+def warm_up(train: GearTrain, *, announce: Announce | None = None) -> None:
     """Run a session and a judgement of its motion for nothing, so that all compiled code is there before it counts.
 
-    Takes seconds the first time on a machine, then a fraction of one: compiled code is kept on disk.
+    Takes seconds the first time on a machine, which `announce` gets a sentence before, then a fraction of one: compiled
+    code is kept on disk.
     """
-    session = Session(train)
-    for k in range(60):  # long enough to come by every path once
-        session.feed(0.01 * k, 150.0, 0.0)
-    warm_up_judgement()
+    with announced(announce):
+        session = Session(train)
+        for k in range(60):  # long enough to come by every path once
+            session.feed(0.01 * k, 150.0, 0.0)
+        warm_up_judgement()
