@@ -1,15 +1,20 @@
-"""What the analysis of a log costs: `python benchmarks/analysis.py [MINUTES …]` prints one JSON object a length.
+"""What the analysis of a log costs: `python benchmarks/analysis.py [--foreign] [MINUTES …]`, a JSON object a length.
 
 For each length a log at the default rates is made faster than real time, in a folder of its own that is removed
-afterwards, and analysed as `seat-gear analyze` does, in a process of its own: seconds, and the peak of its memory.
-`python benchmarks/analysis.py --write DIRECTORY SECONDS` only makes such a log.
+afterwards, and analysed as `seat-gear analyze` does, in a process of its own: seconds by the wall, processor time of it
+and of the processes that it starts, and the peak of its memory and of the largest of theirs.
+`python benchmarks/analysis.py [--foreign] --write DIRECTORY SECONDS` only makes such a log.
 
 The log: the simulated bench plays up-down, one round of it goes through the monitor's session, and the round is written
 again and again with its stamps moved on. Messages, rates and sizes are those of a bench; the motion starts anew at each
 round, at standstill.
+
+With `--foreign` it is another program's: speed in r/min and load under other names, nothing else, so that `analyze` has
+to compute all outputs. There each round has noise of its own.
 """
 
 import json
+import os
 import struct
 import subprocess
 import sys
@@ -27,6 +32,8 @@ import seat_gear_dynamics.nodes  # noqa: F401  (makes rclpy importable)
 # isort: split
 from diagnostic_msgs.msg import DiagnosticArray
 from rclpy.serialization import serialize_message
+from rosbags.rosbag2 import StoragePlugin, Writer
+from rosbags.typesys import Stores, get_typestore
 from sensor_msgs.msg import JointState
 from std_msgs.msg import Bool, Float64, Header
 
@@ -34,6 +41,7 @@ from seat_gear_dynamics import __version__
 from seat_gear_dynamics.bench.drive import SimulatedBench
 from seat_gear_dynamics.bench.profiles import Profile, profile
 from seat_gear_dynamics.gears import GearTrain, load_train
+from seat_gear_dynamics.gears.units import RPM
 from seat_gear_dynamics.logs import topics
 from seat_gear_dynamics.logs.writer import BagWriter
 from seat_gear_dynamics.nodes import messages
@@ -44,6 +52,8 @@ STEP_NS = 20_000_000  # 50 Hz: samples and forces
 FIRST_NS = BEGIN_NS + STEP_NS
 """Stamp of the first sample, t = 0 of the monitor."""
 EVERY_WARNING, EVERY_DIAGNOSTICS = 5, 50  # steps: 10 Hz and 1 Hz
+FOREIGN_SPEED, FOREIGN_LOAD = "/rig/spindle_speed", "/rig/brake_torque"
+FOREIGN_SOURCE = ["--speed-topic", FOREIGN_SPEED, "--load-topic", FOREIGN_LOAD, "--speed-unit", "r/min"]
 
 
 class Written(NamedTuple):
@@ -148,37 +158,62 @@ def write_log(
     return count
 
 
-def measure(minutes: float) -> dict[str, Any]:
+def write_foreign_log(directory: Path, seconds: float, *, played: str = "up-down", seed: int = 0) -> int:
+    """Write a log of speed and load alone with `rosbags`, and return its number of messages."""
+    bench = SimulatedBench(profile(played), sample_time=STEP_NS * 1e-9, seed=seed)
+    steps, types = int(seconds * 1e9) // STEP_NS, get_typestore(Stores.ROS2_JAZZY)
+    with Writer(directory, version=Writer.VERSION_LATEST, storage_plugin=StoragePlugin.MCAP) as writer:
+        of_speed, of_load = (
+            writer.add_connection(name, topics.FLOAT64, typestore=types) for name in (FOREIGN_SPEED, FOREIGN_LOAD)
+        )
+        for step in range(steps):
+            sample, now = bench.step(), BEGIN_NS + step * STEP_NS
+            for connection, value in ((of_speed, sample.speed / RPM), (of_load, sample.load)):
+                writer.write(connection, now, bytes(serialize_message(Float64(data=value))))
+    return 2 * steps
+
+
+def measure(minutes: float, *, foreign: bool) -> dict[str, Any]:
     """Return what the analysis of a log of `minutes` costs, without and with the model beside it."""
-    found: dict[str, Any] = {"minutes": minutes}
+    found: dict[str, Any] = {"minutes": minutes, "foreign": foreign, "load_average": os.getloadavg()[0]}
+    write, source = (write_foreign_log, FOREIGN_SOURCE) if foreign else (write_log, [])
     with TemporaryDirectory(prefix="seat_gear_analysis_") as folder:
         log = Path(folder) / "log"
         begin = perf_counter()
-        found["messages"] = write_log(log, 60 * minutes)
+        found["messages"] = write(log, 60 * minutes)
         found["written_in_s"] = perf_counter() - begin
         found["megabytes"] = sum(path.stat().st_size for path in log.iterdir()) / 1e6
         for name, extra in (("log_alone", ["--no-model"]), ("whole", [])):
-            found[name] = in_a_process(["analyze", str(log), "--output", f"{folder}/{name}", "--json", *extra])
+            asked = ["analyze", str(log), "--output", f"{folder}/{name}", "--json", *source, *extra]
+            found[name] = in_a_process(asked)
     return found
 
 
-def in_a_process(arguments: list[str]) -> dict[str, float]:
+def in_a_process(arguments: list[str]) -> dict[str, Any]:
     code = (
-        "import sys, resource, contextlib, io; from seat_gear_dynamics.commands import main\n"
-        "with contextlib.redirect_stdout(io.StringIO()): code = main(sys.argv[1:])\n"
-        "print(resource.getrusage(resource.RUSAGE_SELF).ru_maxrss); sys.exit(code)"
+        "import sys, resource, contextlib, io, json; from seat_gear_dynamics.commands import main\n"
+        "said = io.StringIO()\n"
+        "with contextlib.redirect_stdout(said): code = main(sys.argv[1:])\n"
+        "own, started = (resource.getrusage(w) for w in (resource.RUSAGE_SELF, resource.RUSAGE_CHILDREN))\n"
+        "print(json.dumps({\n"
+        "    'processor_s': own.ru_utime + own.ru_stime, 'of_children_s': started.ru_utime + started.ru_stime,\n"
+        "    'peak_megabytes': own.ru_maxrss / 1024, 'largest_child_megabytes': started.ru_maxrss / 1024,\n"
+        "    'stretches': json.loads(said.getvalue())['stretches']}))\n"
+        "sys.exit(code)"
     )
     begin = perf_counter()
     done = subprocess.run([sys.executable, "-c", code, *arguments], capture_output=True, text=True, check=True)
-    return {"seconds": perf_counter() - begin, "peak_megabytes": int(done.stdout.split()[-1]) / 1024}
+    return {"seconds": perf_counter() - begin, **json.loads(done.stdout)}
 
 
 def main(arguments: list[str]) -> None:
-    if arguments[:1] == ["--write"]:
-        print(write_log(Path(arguments[1]), float(arguments[2])))
+    foreign = "--foreign" in arguments
+    given = [argument for argument in arguments if argument != "--foreign"]
+    if given[:1] == ["--write"]:
+        print((write_foreign_log if foreign else write_log)(Path(given[1]), float(given[2])))
         return
-    for minutes in arguments or ["5", "60"]:
-        print(json.dumps(measure(float(minutes))), flush=True)
+    for minutes in given or ["5", "60"]:
+        print(json.dumps(measure(float(minutes), foreign=foreign)), flush=True)
 
 
 if __name__ == "__main__":

@@ -66,14 +66,20 @@ def operations(structure: Structure) -> int:
 
 
 def block_run(
-    train: GearTrain, width: int, *, full: bool, frequency: Array | None = None, periods: int = PERIODS
+    train: GearTrain,
+    width: int,
+    *,
+    full: bool,
+    frequency: Array | None = None,
+    periods: int = PERIODS,
+    steps: int = TARGET_STEPS,
 ) -> Work:
     """Return what marches one block from rest at 600 N·m through `periods` and returns its steps.
 
     `frequency`, (width,), is by default spread over the range of the studies.
     """
     points = checked(LanePoints(np.linspace(0.4, 2.0, width) if frequency is None else frequency, LOAD))
-    ready = entry(train, points, meshes=None, target_steps=TARGET_STEPS, longest_step=LONGEST_STEP)
+    ready = entry(train, points, meshes=None, target_steps=steps, longest_step=LONGEST_STEP)
     ((company, lanes),) = ready.companies()
     table, half_step = rows(company.structure, [(ready, lanes)])
     shared = grid(company.excitation, company.level, company.direction)

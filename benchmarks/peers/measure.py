@@ -1,10 +1,12 @@
 """Cost at equal error: `python -m benchmarks.peers` prints one JSON object.
 
 The lane kernel marches both tasks (`task.tasks`) at its default step, without tangent and statistics, which the others
-do not have either; its error sets the mark. Each peer gets the coarsest tolerance, in steps of a quarter decade, whose
-error is no larger. Times are of one core, a mesh period of one motion; what is made once for many runs (symbols,
-compiled code, tables) is not in them. Each repeat of a ratio times the peer and the kernel one right after the other,
-by processor time: all of them use one thread, and a run of seconds is disturbed more often than one of milliseconds.
+do not have either; its error sets the mark. Across impacts it also does so with fewer steps a period
+(`impacts_136_steps` and so on): there it has order two, so steps are saved that buy little. In contact the longest step
+allowed is the default one's. Each peer gets the coarsest tolerance, in steps of a quarter decade, whose error is no
+larger. Times are of one core, a mesh period of one motion; what is made once for many runs (symbols, compiled code,
+tables) is not in them. Each repeat of a ratio times the peer and the kernel one right after the other, by processor
+time: all of them use one thread, and a run of seconds is disturbed more often than one of milliseconds.
 
 `scipy_rk45` runs on a compiled right-hand side; `scipy_rk45_public` is the same on `System.derivative`, plain NumPy and
 the whole train, at the tolerance found for the first. `jitcode` is the quicker of its two integrators, `heyoka` batch
@@ -31,6 +33,7 @@ from benchmarks.timing import Work, best_of, seconds_of
 from seat_gear_dynamics import load_system
 from seat_gear_dynamics.motion import OperatingPoint, System
 from seat_gear_dynamics.motion.lanes import WIDTH, respond_lanes
+from seat_gear_dynamics.motion.tables import TARGET_STEPS
 
 Array = NDArray[np.float64]
 
@@ -39,6 +42,8 @@ QUARTERS = tuple(10.0 ** (-n / 4) for n in range(12, 45))
 HALVES = QUARTERS[::2]
 REACH = {"scipy_rk45": 1000.0, "jitcode": 100.0, "heyoka": 1.0}
 REPEATS = 5
+COARSER = {"contact": (), "impacts": (136, 68)}
+"""Steps a period that set a mark beside the default ones."""
 _IN_SUCCESSION = 2  # settings that have to meet the mark before the search ends: one may do so by luck
 _AGAIN = 20  # marches of the kernel for one timing, which then lasts some tens of milliseconds
 
@@ -52,33 +57,48 @@ class Met(NamedTuple):
     run: Run
 
 
+class Mark(NamedTuple):
+    """A task, what is known of it (see `reference`), and the kernel's steps a period that set the mark."""
+
+    name: str
+    task: Task
+    steps: int
+    ends: Array
+    changes: Array
+
+
 def measure(*, short: bool = False, form: str = "printed", progress: Callable[[str], None] | None = None) -> Findings:
     """Measure all peers that are installed; `short`: fewer periods and motions, wider steps of the tolerance."""
     figures: dict[str, Any] = {"form": form}
     ratios: dict[str, Ratio] = {}
     for task in tasks(load_system().train, points=WIDTH, periods=20 if short else 100):
-        figures[task.name] = _task(task, form, ratios, short=short, progress=progress)
+        known = reference(task)
+        for steps in (TARGET_STEPS, *(() if short else COARSER[task.name])):
+            name = task.name if steps == TARGET_STEPS else f"{task.name}_{steps}_steps"
+            mark = Mark(name, task, steps, *known)
+            figures[name] = _task(mark, form, ratios, short=short, progress=progress)
     absent = [name for name in ("jitcode", "heyoka") if not installed(name)]
     skipped = f"Not installed, left out: {', '.join(absent)}; pip install '.[peers]' brings them." if absent else None
     return Findings(figures, ratios, skipped)
 
 
 def _task(
-    task: Task, form: str, ratios: dict[str, Ratio], *, short: bool, progress: Callable[[str], None] | None
+    at: Mark, form: str, ratios: dict[str, Ratio], *, short: bool, progress: Callable[[str], None] | None
 ) -> dict[str, Any]:
-    pair, (ends, changes) = task.pair(form), reference(task)
-    exact = pair.of_whole(ends)
-    kernel = kernel_run(task, full=False)
+    task, pair = at.task, at.task.pair(form)
+    exact = pair.of_whole(at.ends)
+    kernel = kernel_run(task, at.steps, full=False)
     kernel()
-    mark, unit = kernel_error(task, form, exact), 1e6 / task.periods
+    mark, unit = kernel_error(task, at.steps, form, exact), 1e6 / task.periods
     own = best_of(kernel, 3, process_time) / _AGAIN / WIDTH
-    full = kernel_run(task, full=True)
+    full = kernel_run(task, at.steps, full=True)
     full()
     figures: dict[str, Any] = {
         "frequencies": task.frequencies.tolist(),
         "load": task.load,
         "periods": task.periods,
-        "contact_changes": changes.tolist(),
+        "contact_changes": at.changes.tolist(),
+        "kernel_steps": at.steps,
         "error": mark,
         "kernel_microseconds": own * unit,
         "kernel_full_microseconds": best_of(full, 3, process_time) / _AGAIN / WIDTH * unit,
@@ -89,16 +109,16 @@ def _task(
         figures["reference_against_dop853"] = float(np.abs(checked - exact[0]).max())
     for name, own_task, peers in _peers(task, form, short=short):
         if progress is not None:
-            progress(f"{name}, {task.name}")
+            progress(f"{name}, {at.name}")
         met = [m for peer in peers if (m := cheapest(peer, _rows(task, own_task, exact), mark)) is not None]
         if not met:
             figures["peers"][name] = {"error": None, "reason": "no tolerance tried meets the mark"}
             continue
         best = min(met, key=lambda m: m.seconds)
         count = len(own_task.frequencies)
-        meaning = f"{name} over the lane kernel at equal error, {task.name}"
+        meaning = f"{name} over the lane kernel at equal error, {at.name}"
         times = _in_turn(best.run, count, kernel)
-        ratios[f"kernel_over_{name}_{task.name}"] = Ratio(times, meaning, reach=REACH[name])
+        ratios[f"kernel_over_{name}_{at.name}"] = Ratio(times, meaning, reach=REACH[name])
         figures["peers"][name] = _figures(best, count, unit)
         if name == "scipy_rk45":
             figures["peers"]["scipy_rk45_public"] = _public(task, best.setting)
@@ -149,9 +169,9 @@ def _in_turn(run: Run, motions: int, kernel: Work) -> tuple[float, ...]:
     return tuple(seconds(run) / motions / (seconds(kernel) / _AGAIN / WIDTH) for _ in range(REPEATS))
 
 
-def kernel_run(task: Task, *, full: bool) -> Work:
+def kernel_run(task: Task, steps: int, *, full: bool) -> Work:
     """Return what marches all motions of the task in one block, _AGAIN times over."""
-    march = block_run(task.train, WIDTH, full=full, frequency=task.frequencies, periods=task.periods)
+    march = block_run(task.train, WIDTH, full=full, frequency=task.frequencies, periods=task.periods, steps=steps)
 
     def run() -> float:
         return sum(march() for _ in range(_AGAIN))
@@ -159,7 +179,7 @@ def kernel_run(task: Task, *, full: bool) -> Work:
     return run
 
 
-def kernel_error(task: Task, form: str, exact: Array) -> float:
+def kernel_error(task: Task, steps: int, form: str, exact: Array) -> float:
     """Return the largest component of the kernel's error at the end of the task."""
     found = respond_lanes(
         task.train,
@@ -171,6 +191,7 @@ def kernel_error(task: Task, form: str, exact: Array) -> float:
         statistics=False,
         meshes=1,
         threads=1,
+        target_steps=steps,
     )
     return float(np.abs(task.pair(form).of_whole(found.state) - exact).max())
 
