@@ -23,6 +23,7 @@ COMMANDS = {
     "stiffness": "stiffness",
     "sweep": "sweep",
     "map": "map",
+    "basins": "basins",
     "harmonic": "harmonic",
     "taguchi": "taguchi",
     "calibrate": "calibrate",
@@ -35,7 +36,10 @@ COMMANDS = {
 }
 # Those that run the model in this process. Compiling it takes some seconds, once on a machine, in which they say so.
 _MODELLING = frozenset(
-    ("simulate", "sweep", "map", "harmonic", "taguchi", "calibrate", "reproduce", "quality", "analyze", "replay")
+    (
+        *("simulate", "sweep", "map", "basins", "harmonic", "taguchi"),
+        *("calibrate", "reproduce", "quality", "analyze", "replay"),
+    )
 )
 
 

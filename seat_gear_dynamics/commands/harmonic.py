@@ -5,6 +5,7 @@ import json
 from itertools import count as counter
 from typing import TYPE_CHECKING, Any
 
+from seat_gear_dynamics.commands.operating_point import add_mesh_arguments, system_at
 from seat_gear_dynamics.commands.texts import Texts
 
 if TYPE_CHECKING:
@@ -38,8 +39,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--stop", type=float, metavar="B", help="where it ends (frequency: default 2.01)")
     parser.add_argument("--frequency", type=float, default=0.5, metavar="Ω", help="frequency elsewhere (default 0.5)")
     parser.add_argument("--load", type=float, default=600.0, metavar="T4", help="load torque, N·m (default 600)")
-    parser.add_argument("--damping", type=float, metavar="ξ", help="mesh damping ratio (default: the system's)")
-    parser.add_argument("--backlash-um", type=float, metavar="B", help="backlash, µm (default: the system's)")
+    add_mesh_arguments(parser)
     parser.add_argument(
         "--harmonics", type=int, default=32, metavar="H", help="harmonics of the mesh frequency kept (default 32)"
     )
@@ -66,7 +66,7 @@ def run(arguments: argparse.Namespace) -> int:
     from seat_gear_dynamics.studies.harmonic_balance import NoSolutionError
 
     try:
-        system = _system(arguments)
+        system = system_at(arguments)
         with stages(quiet=arguments.json) as tell:
             curve = _curve(system, arguments, tell)
             agreements = _agreements(curve, arguments.compare, tell)
@@ -80,23 +80,6 @@ def run(arguments: argparse.Namespace) -> int:
     else:
         _print(summary)
     return 0
-
-
-def _system(arguments: argparse.Namespace) -> "System":
-    """Return the system under the command's conditions; raises ValueError for impossible ones."""
-    from dataclasses import replace
-
-    from seat_gear_dynamics.motion import load_system
-
-    system, micrometres = load_system(arguments.system), arguments.backlash_um
-    for name, value in (("damping", arguments.damping), ("backlash", micrometres)):
-        if value is not None and not 0 <= value < float("inf"):
-            raise ValueError(f"The {name} is {value!r}, expected a finite number of at least 0.")
-    train = system.train
-    for index in (0, 1):
-        backlash = None if micrometres is None else micrometres * 1e-6
-        train = train.with_mesh(index, damping_ratio=arguments.damping, backlash=backlash)
-    return replace(system, train=train).at(frequency=arguments.frequency, load=arguments.load)
 
 
 def _curve(system: "System", arguments: argparse.Namespace, tell: "TellStage") -> "ResponseCurve":

@@ -24,6 +24,7 @@ SHORTER = {
     "stiffness": "",
     "sweep": "--transient 50 --periods 50",
     "map": "--transient 50 --periods 50",
+    "basins": "--deflection -4 6 8 --rate -3 3 8",
     "harmonic": "--start 0.4 --stop 0.44 --compare 1",
     "taguchi": "--array L18",
     "calibrate": "--evaluations 16",
