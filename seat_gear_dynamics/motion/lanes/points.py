@@ -104,7 +104,7 @@ def _check_shapes(given: dict[str, Array], state: Array | None) -> None:
 def _check_values(name: str, values: Array) -> None:
     if not np.isfinite(values).all():
         bad = int(np.flatnonzero(~np.isfinite(values))[0])
-        raise ValueError(f"The {name} of lane {bad} is {values[bad]!r}, expected a finite number.")
+        raise ValueError(f"The {name} of lane {bad} is {float(values[bad])!r}, expected a finite number.")
     if name == "frequency" and (values == 0).any():
         bad = int(np.flatnonzero(values == 0)[0])
         raise ValueError(f"The frequency of lane {bad} is 0, where there is no mesh period to sample; give another.")

@@ -5,6 +5,7 @@ from dataclasses import dataclass, field
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.integrate import trapezoid
 from scipy.special import chdtri
 
 from seat_gear_dynamics.gears.units import RPM
@@ -47,7 +48,7 @@ class Roc(Plottable, figure="warning_quality:plot_roc", table="studies:roc_table
     @property
     def area(self) -> float:
         """Area under the curve; 0.5 is chance."""
-        return float(np.trapezoid(self.true_rate, self.false_rate))
+        return float(trapezoid(self.true_rate, self.false_rate))
 
 
 @dataclass

@@ -25,7 +25,9 @@ def bowl(base: GearTrain, coordinates: object, harmonics: int, *, threads: int |
         (f.code(v) - f.code(w) - (0.3 if i == 0 else 0.0)) ** 2
         for i, (f, v, w) in enumerate(zip(FREEDOMS, values, START[1], strict=True))
     )
-    return Candidate(values, harmonics, float(short), {})
+    # As `evaluate` has it; without it the cost is flat beyond a bound, and the start lies beside one.
+    beyond = sum(f.excess(float(c)) ** 2 for f, c in zip(FREEDOMS, coordinates, strict=True))  # type: ignore[call-overload]
+    return Candidate(values, harmonics, float(short) + beyond, {})
 
 
 def started(train: GearTrain) -> GearTrain:
@@ -41,7 +43,7 @@ def test_the_search_goes_down_to_a_known_lowest_point(train: GearTrain, monkeypa
 
 def test_the_same_seed_gives_the_same_set(train: GearTrain, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(module, "evaluate", bowl)
-    runs = [search(started(train), harmonics=3, evaluations=160, seed=seed) for seed in (5, 5, 6)]
+    runs = [search(started(train), harmonics=3, evaluations=640, seed=seed) for seed in (5, 5, 6)]
     assert runs[0] == runs[1] != runs[2]
 
 
