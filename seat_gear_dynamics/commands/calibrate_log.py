@@ -1,13 +1,13 @@
 """`seat-gear calibrate LOG`: what a measured bench says of the model's parameters."""
 
 import argparse
-import csv
 import json
-from collections.abc import Callable, Sequence
+from collections.abc import Iterator
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
+    from seat_gear_dynamics.commands.progress import Tell
     from seat_gear_dynamics.gears import GearTrain
     from seat_gear_dynamics.logs.reader import Bag
     from seat_gear_dynamics.studies.identification.identify import Fitted
@@ -18,6 +18,7 @@ UNITS = {
     "acceleration": {"m/s²": 1.0, "m/s^2": 1.0, "g": 9.80665, "mm/s²": 1e-3, "mm/s^2": 1e-3},
 }
 """Unit of a topic → SI."""
+_TOLD = 5000  # messages between two tellings of how far the reading is
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -62,7 +63,7 @@ def run(arguments: argparse.Namespace) -> int:
         with stages(quiet=arguments.json) as tell:
             fitted = identify(
                 train,
-                read_dwells(bag, topic, factor, arguments),
+                read_dwells(bag, topic, factor, arguments, lambda done, total: tell("reading", done, total)),
                 Sensor(kind, arguments.gear),
                 free=DEFAULT if arguments.free is None else tuple(arguments.free.split(",")),
                 noise=arguments.noise * factor,
@@ -77,12 +78,13 @@ def run(arguments: argparse.Namespace) -> int:
     return 0
 
 
-def read_dwells(bag: "Bag", topic: str, factor: float, arguments: argparse.Namespace) -> "list[Dwell]":
+def read_dwells(bag: "Bag", topic: str, factor: float, arguments: argparse.Namespace, tell: "Tell") -> "list[Dwell]":
     """Return the dwells of a log with what `topic` (TOPIC[:FIELD]) showed in each, times `factor`.
 
     A dwell is what `seat-gear analyze` calls one (steady speed and load for 0.8 s at least), without its first 0.3 s.
     Samples stand at their stamp, else at the time they were published. Samples that are not finite are left out;
-    dwells with fewer than 50 are too. Raises LogError where the topic or the drive is not in the log.
+    dwells with fewer than 50 are too. `tell` gets (messages read, in all). Raises LogError where the topic or the drive
+    is not in the log, CommandError where the topic holds no such number.
     """
     import numpy as np
 
@@ -90,7 +92,7 @@ def read_dwells(bag: "Bag", topic: str, factor: float, arguments: argparse.Names
     from seat_gear_dynamics.logs.analysis.dwells import SETTLING, Dwells
     from seat_gear_dynamics.studies.identification.observables import Dwell
 
-    drive, signal = _samples(bag, topic, arguments)
+    drive, signal = _samples(bag, topic, arguments, tell)
     finder = Dwells(keep=0)
     finder.add(Batch(drive=np.column_stack([drive, np.zeros(len(drive))])))
     finder.finish()
@@ -135,31 +137,36 @@ def _train(bag: "Bag", arguments: argparse.Namespace) -> "GearTrain":
     return parse_train(with_values(train.text, {**system, **others})) if arguments.set else train
 
 
-def _samples(bag: "Bag", topic: str, arguments: argparse.Namespace) -> tuple[Any, Any]:
+def _samples(bag: "Bag", topic: str, arguments: argparse.Namespace, tell: "Tell") -> tuple[Any, Any]:
     """Return the drive (n, 3): time in s, rad/s, N·m; and the signal (m, 2): time in s, value as logged."""
+    import numpy as np
+
+    name, _, field = topic.partition(":")
+    signal: list[tuple[float, float]] = []
+    total = bag.topics[bag.resolve(name)].count
+    for time_ns, stamp, value in _signal(bag, bag.resolve(name), field):
+        signal.append((_seconds(stamp, time_ns, bag.start_ns), value))
+        if not len(signal) % _TOLD:
+            tell(len(signal), total)
+    return np.array(_drive(bag, arguments)).reshape(-1, 3), np.array(signal).reshape(-1, 2)
+
+
+def _drive(bag: "Bag", arguments: argparse.Namespace) -> list[tuple[float, float, float]]:
     import numpy as np
 
     from seat_gear_dynamics.logs.analysis.sources import Source, readers
 
     units = arguments.speed_unit, arguments.load_unit
-    source = Source(arguments.speed_topic, arguments.load_topic, arguments.joint, *units)
-    name, _, field = topic.partition(":")
-    name = bag.resolve(name)
-    read_drive, read_signal = readers(bag, source), _reader(bag, name, field)
+    read = readers(bag, Source(arguments.speed_topic, arguments.load_topic, arguments.joint, *units))
     drive: list[tuple[float, float, float]] = []
-    signal: list[tuple[float, float]] = []
     load: float | None = None
-    for own, log_ns, publish_ns, data in bag.messages({name, *read_drive}):
-        if own in read_drive:
-            stamp, speed, told = read_drive[own](data)
-            load = told if told is not None and np.isfinite(told) else load
-            t = _seconds(stamp, publish_ns or log_ns, bag.start_ns)
-            if speed is not None and np.isfinite(speed) and load is not None and (not drive or t > drive[-1][0]):
-                drive.append((t, speed, load))
-        if own == name:
-            stamp, value = read_signal(data)
-            signal.append((_seconds(stamp, publish_ns or log_ns, bag.start_ns), value))
-    return np.array(drive).reshape(-1, 3), np.array(signal).reshape(-1, 2)
+    for name, log_ns, publish_ns, data in bag.messages(read):
+        stamp, speed, told = read[name](data)
+        load = told if told is not None and np.isfinite(told) else load
+        t = _seconds(stamp, publish_ns or log_ns, bag.start_ns)
+        if speed is not None and np.isfinite(speed) and load is not None and (not drive or t > drive[-1][0]):
+            drive.append((t, speed, load))
+    return drive
 
 
 def _seconds(stamp_ns: int | None, sent_ns: int, start_ns: int) -> float:
@@ -168,49 +175,55 @@ def _seconds(stamp_ns: int | None, sent_ns: int, start_ns: int) -> float:
     return (own - start_ns) * 1e-9
 
 
-def _reader(bag: "Bag", name: str, field: str) -> Callable[[bytes], tuple[int | None, float]]:
-    """Return the function that reads stamp and number of the measured topic's messages."""
+def _signal(bag: "Bag", name: str, field: str) -> Iterator[tuple[int, int | None, float]]:
+    """Yield (time sent in ns, stamp in ns, number) of the measured topic's messages."""
     from seat_gear_dynamics.logs import topics
-    from seat_gear_dynamics.logs.analysis.message_bytes import JointDecoder, float64
+    from seat_gear_dynamics.logs.analysis.message_bytes import float64
 
     kind = bag.topics[name].type
-    if kind == topics.FLOAT64:
-        return lambda data: (None, float64(data))
-    if kind != topics.JOINT_STATE:
-        return _field_reader(name, kind, field or "data")
-    decoder = JointDecoder()
-
-    def effort(data: bytes) -> tuple[int | None, float]:
-        found = decoder.decode(data)
-        by_name = dict(zip(found.names, found.effort, strict=False))
-        value = by_name.get(field) if field else next(iter(found.effort), None)
-        return found.stamp_ns or None, float("nan") if value is None else value
-
-    return effort
+    if kind == topics.FLOAT64 and field in ("", "data"):
+        for _, log_ns, publish_ns, data in bag.messages(name):
+            yield publish_ns or log_ns, None, float64(data)
+    elif kind == topics.JOINT_STATE:
+        yield from _efforts(bag, name, field)
+    else:
+        for _, log_ns, publish_ns, message in bag.decoded(name):
+            stamp = getattr(getattr(message, "header", None), "stamp", None)
+            stamp_ns = None if stamp is None else stamp.sec * 1_000_000_000 + stamp.nanosec
+            yield publish_ns or log_ns, stamp_ns, _number(message, name, kind, field or "data")
 
 
-def _field_reader(name: str, kind: str, field: str) -> Callable[[bytes], tuple[int | None, float]]:
+def _efforts(bag: "Bag", name: str, joint: str) -> Iterator[tuple[int, int | None, float]]:
     from seat_gear_dynamics.commands.errors import CommandError
-    from seat_gear_dynamics.logs.schemas import Decoder
+    from seat_gear_dynamics.logs.analysis.message_bytes import JointDecoder
 
-    decoder = Decoder({})
+    decoder, others = JointDecoder(), dict[str, None]()
+    told = False
+    for _, log_ns, publish_ns, data in bag.messages(name):
+        found = decoder.decode(data)
+        index = 0 if not joint else found.names.index(joint) if joint in found.names else len(found.names)
+        if index < len(found.effort):
+            told = True
+            yield publish_ns or log_ns, found.stamp_ns or None, found.effort[index]
+        others.update(dict.fromkeys(found.names))
+    if not told:
+        whose = f"of the joint {joint!r}" if joint else "of any joint"
+        raise CommandError(f"The topic {name} holds no effort {whose}; its joints are {', '.join(others) or 'none'}.")
 
-    def read(data: bytes) -> tuple[int | None, float]:
-        message: Any = decoder.decode(data, kind)
-        stamp = getattr(getattr(message, "header", None), "stamp", None)
-        found = message
-        try:
-            for part in field.split("."):
-                found = getattr(found, part)
-            number = float(found)
-        except (AttributeError, TypeError) as error:
-            raise CommandError(
-                f"The topic {name} is {kind}, which has no number {field!r}; name one as TOPIC:FIELD, such as "
-                f"bench/wrench:wrench.force.z."
-            ) from error
-        return (stamp.sec * 1_000_000_000 + stamp.nanosec if stamp is not None else None), number
 
-    return read
+def _number(message: Any, name: str, kind: str, field: str) -> float:
+    from seat_gear_dynamics.commands.errors import CommandError
+
+    found = message
+    try:
+        for part in field.split("."):
+            found = found[int(part)] if part.isdigit() else getattr(found, part)
+        return float(found)
+    except (AttributeError, IndexError, TypeError, ValueError) as error:
+        raise CommandError(
+            f"The topic {name} is {kind}, which has no number {field!r}; name one as TOPIC:FIELD, such as "
+            f"bench/wrench:wrench.force.z, or bench/forces:data.0 for the first of several."
+        ) from error
 
 
 def _folder(arguments: argparse.Namespace) -> Path:
@@ -222,7 +235,7 @@ def _folder(arguments: argparse.Namespace) -> Path:
 
 def _write(fitted: "Fitted", text: str, folder: Path) -> dict[str, Path]:
     """Write what was found; return what is where."""
-    from seat_gear_dynamics.studies.identification.describe import COLUMNS, described, table, values
+    from seat_gear_dynamics.studies.identification.describe import described, values
     from seat_gear_dynamics.views.figures.identification import identification_figure
     from seat_gear_dynamics.views.figures.style import save
 
@@ -230,9 +243,7 @@ def _write(fitted: "Fitted", text: str, folder: Path) -> dict[str, Path]:
     written = {what: folder / name for what, name in (names | {"figure": "identification.png"}).items()}
     written["system"].write_text(described(text, fitted), encoding="utf-8")
     written["values"].write_text(json.dumps(values(fitted), indent=1), encoding="utf-8")
-    with written["table"].open("w", newline="", encoding="utf-8") as file:
-        rows: Sequence[Sequence[Any]] = [COLUMNS, *table(fitted)]
-        csv.writer(file).writerows(rows)
+    fitted.to_csv(written["table"])
     save(identification_figure(fitted), written["figure"])
     return written
 

@@ -76,7 +76,7 @@ def _outcomes(arguments: argparse.Namespace) -> "list[Outcome]":
     from multiprocessing import get_context
     from os import cpu_count
 
-    from seat_gear_dynamics.commands.progress import progress
+    from seat_gear_dynamics.commands.progress import progress, stages
     from seat_gear_dynamics.gears import load_train
     from seat_gear_dynamics.studies.warning_quality.assess import known_motions
     from seat_gear_dynamics.studies.warning_quality.job import Job, play_job
@@ -86,8 +86,8 @@ def _outcomes(arguments: argparse.Namespace) -> "list[Outcome]":
     nominal = _map(arguments, train)
     source, loads = _source(arguments, train, nominal)
     scenarios = [each for seed in arguments.seed for each in suite(source, loads, seed=seed, count=arguments.runs)]
-    with progress("motions of the runs", quiet=arguments.json):
-        known = known_motions(scenarios, train)
+    with stages(quiet=arguments.json) as tell_stage:
+        known = known_motions(scenarios, train, tell=tell_stage)
     jobs = [Job(scenario, train, nominal, arguments.bands, known) for scenario in scenarios]
     found: list[Outcome] = []
     workers = arguments.workers or cpu_count() or 1

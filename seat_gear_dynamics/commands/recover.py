@@ -36,10 +36,10 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 def run(arguments: argparse.Namespace) -> int:
     """Recover and print what was kept and lost; raises LogError, hence exit code 1, where nothing was."""
     from seat_gear_dynamics import __version__
-    from seat_gear_dynamics.commands.progress import progress
+    from seat_gear_dynamics.commands.progress import stages
     from seat_gear_dynamics.logs.recovery import recover
 
-    with progress("recovering", quiet=arguments.json):
-        result = recover(arguments.log, arguments.output, unchecked=arguments.unchecked, version=__version__)
+    with stages(quiet=arguments.json) as tell:
+        result = recover(arguments.log, arguments.output, unchecked=arguments.unchecked, version=__version__, tell=tell)
     print(json.dumps(result.as_dict()) if arguments.json else "\n".join(result.lines()))
     return 0

@@ -36,7 +36,7 @@ def run(arguments: argparse.Namespace) -> int:
 
     rpm, micrometres = arguments.speed_rpm, arguments.backlash_um
     try:
-        with progress(f"{arguments.transient + arguments.periods} mesh periods", quiet=arguments.json):
+        with progress("mesh periods", quiet=arguments.json) as tell:
             result = simulate(
                 load_system(arguments.system),
                 frequency=arguments.frequency,
@@ -46,6 +46,7 @@ def run(arguments: argparse.Namespace) -> int:
                 backlash=None if micrometres is None else micrometres * 1e-6,
                 transient=arguments.transient,
                 periods=arguments.periods,
+                progress=tell,
             )
     except (ValueError, DivergedError) as error:
         raise CommandError(str(error)) from error

@@ -142,6 +142,11 @@ class March:
         self._growth = np.zeros(2)
 
     @property
+    def compiled(self) -> tuple[kernel.Equations, kernel.Grid]:
+        """The train as the compiled march takes it, for compiled code that steps on its own; arrays are not copies."""
+        return self._equations, self._grid
+
+    @property
     def tau(self) -> float:
         """Dimensionless time reached."""
         return float(self._clock[0])
@@ -178,11 +183,13 @@ class March:
         start: tuple[float, Inputs],
         end: tuple[float, Inputs],
         collect: Callable[[Array], None] | None = None,
+        *,
+        room: int = _SECTION_ROOM,
     ) -> tuple[Window, Window]:
         """Advance through inputs linear from `start` to `end`, each (τ, Inputs); return both meshes' windows.
 
-        `collect` gets the section points met, shape (n, 5) in the order of `kernel.SECTION_COLUMNS`, in pieces.
-        Raises DivergedError where the solution leaves every bound.
+        `collect` gets the section points met, shape (n, 5) in the order of `kernel.SECTION_COLUMNS`, in pieces of up to
+        `room`, which changes no number. Raises DivergedError where the solution leaves every bound.
         """
         (tau0, first), (tau1, last) = start, end
         span = tau1 - tau0
@@ -192,7 +199,7 @@ class March:
         segment = kernel.Segment(tau0, tau1, first.frequency, slopes[0], first.load, slopes[1])
         window = np.zeros((2, 6))
         window[:, 3], window[:, 4] = inf, -inf
-        sections = np.empty((_SECTION_ROOM, 5))
+        sections = np.empty((room, 5))
         code = kernel.SECTIONS_FULL
         while code == kernel.SECTIONS_FULL:
             recorded = np.zeros(1, dtype=np.int64)

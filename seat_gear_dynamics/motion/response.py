@@ -1,5 +1,6 @@
 """The response at one operating point: run in, then sampled period by period."""
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from math import inf, nextafter, pi
 
@@ -13,6 +14,7 @@ from seat_gear_dynamics.motion.tables import TARGET_STEPS
 from seat_gear_dynamics.plotting import Plottable
 
 Array = NDArray[np.float64]
+_TOLD = 64  # mesh periods between two tellings of how far a motion is
 
 
 @dataclass(frozen=True)
@@ -52,11 +54,13 @@ def integrate(
     state: Array | None = None,
     target_steps: int = TARGET_STEPS,
     longest_step: float = LONGEST_STEP,
+    progress: Callable[[int, int], None] | None = None,
 ) -> Response:
     """Integrate `system` over `transient` mesh periods of P12, then sample `periods` more.
 
     Starts at static deflection, or at `state` (24,) with mesh phase 0. Raises ValueError at zero frequency (there is
-    no mesh period) and DivergedError where the solution blows up. P34 is driven at z3/z2 of the frequency.
+    no mesh period) and DivergedError where the solution blows up. P34 is driven at z3/z2 of the frequency. `progress`
+    is told (mesh periods done, in all); it changes no number.
     """
     point = system.operating_point
     if point.frequency == 0:
@@ -68,26 +72,37 @@ def integrate(
         march.state = state
     inputs = Inputs(point.frequency, point.load)
     period = 2 * pi / abs(point.frequency)
-    _through(march, inputs, transient, period)
+    tell = progress or (lambda done, total: None)
+    _through(march, inputs, transient, period, [], lambda done: tell(done, transient + periods))
     collected: list[Array] = []
-    windows = _through(march, inputs, periods, period, collected)
+    windows = _through(
+        march, inputs, periods, period, collected, lambda done: tell(transient + done, transient + periods)
+    )
     points = np.concatenate(collected)
     return Response(system, points[:, 1:3], points[:, 3:5], windows, march.state, march.force_unit)
 
 
 def _through(
-    march: March, inputs: Inputs, periods: int, period: float, collected: list[Array] | None = None
+    march: March, inputs: Inputs, periods: int, period: float, met: list[Array], tell: Callable[[int], None]
 ) -> tuple[Window, Window]:
     """March through whole periods; half a step short of the end, so that rounding of τ cannot add a step."""
     if not periods:
         return Window(), Window()
-    met: list[Array] = [] if collected is None else collected
+
+    done = 0
+
+    def collect(points: Array) -> None:
+        nonlocal done
+        met.append(points)
+        done += len(points)
+        tell(done)
+
     begin = march.tau
     slack = period / march.steps_per_period / 2**8  # less than half of the finest level's step
     end = begin + periods * period - slack
-    first, second = march.advance((begin, inputs), (end, inputs), met.append)
-    while sum(map(len, met)) < periods:  # creeping steps are not locked to the period: the last section is a step ahead
+    first, second = march.advance((begin, inputs), (end, inputs), collect, room=_TOLD)
+    while done < periods:  # creeping steps are not locked to the period: the last section is a step ahead
         step = (march.tau, inputs), (nextafter(march.tau, inf), inputs)
-        more = march.advance(*step, met.append)
+        more = march.advance(*step, collect)
         first, second = first.merged(more[0]), second.merged(more[1])
     return first, second

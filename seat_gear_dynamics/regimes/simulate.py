@@ -1,5 +1,6 @@
 """One operating point from drive to regime: the convenience call behind `seat-gear simulate`."""
 
+from collections.abc import Callable
 from dataclasses import asdict, dataclass, replace
 from math import pi
 from typing import Any
@@ -82,11 +83,13 @@ def simulate(
     backlash: float | None = None,
     transient: int = 600,
     periods: int = 400,
+    progress: Callable[[int, int], None] | None = None,
 ) -> Simulation:
     """Integrate one operating point and say what kind of motion it is.
 
     `frequency` is Ω, or `speed` that of s1 in rad/s; `load` is T4, N·m; `damping` (ξ) and `backlash` (m) replace those
-    of both meshes. Defaults are the system's own. The regime is P12's. Raises ValueError for impossible values and
+    of both meshes. Defaults are the system's own. The regime is P12's. `progress` is told (mesh periods done, in all).
+    Raises ValueError for impossible values and
     DivergedError where the solution blows up.
     """
     for name, value in (("damping", damping), ("backlash", backlash)):
@@ -96,7 +99,7 @@ def simulate(
     for index in (0, 1):
         train = train.with_mesh(index, damping_ratio=damping, backlash=backlash)
     at = replace(system, train=train).at(frequency=frequency, speed=speed, load=load)
-    response = integrate(at, transient=transient, periods=periods)
+    response = integrate(at, transient=transient, periods=periods, progress=progress)
     point = at.operating_point
     static = train.static_forces(point.load)
     forces = {

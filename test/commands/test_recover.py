@@ -1,8 +1,10 @@
 """`seat-gear recover`: what it prints, and how it ends."""
 
 import argparse
+import io
 import json
 import struct
+import sys
 from pathlib import Path
 
 import pytest
@@ -11,6 +13,13 @@ from seat_gear_dynamics.commands import recover
 from seat_gear_dynamics.logs.errors import LogError
 from seat_gear_dynamics.logs.reader import Bag
 from seat_gear_dynamics.logs.writer import BagWriter
+
+
+class Terminal(io.StringIO):
+    """A standard error that says it is a terminal."""
+
+    def isatty(self) -> bool:
+        return True
 
 
 def parsed(*arguments: str) -> argparse.Namespace:
@@ -46,6 +55,15 @@ def test_people_read_what_was_kept_and_lost(damaged: Path, capsys: pytest.Captur
     assert row == ["/a", str(kept), str(100 - kept)]
     assert "read back by: seat_gear_dynamics, mcap, rosbags" in text
     assert "  bytes " in text
+
+
+def test_a_terminal_sees_how_far_it_is(damaged: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    stream = Terminal()
+    monkeypatch.setattr(sys, "stderr", stream)
+    monkeypatch.setenv("TERM", "xterm")
+    assert recover.run(parsed(str(damaged))) == 0
+    for stage in ("searching, MiB", "writing, MiB", "reading back"):
+        assert stage in stream.getvalue()
 
 
 def test_json_is_one_object(damaged: Path, capsys: pytest.CaptureFixture[str], tmp_path: Path) -> None:

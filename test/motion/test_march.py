@@ -193,6 +193,19 @@ def test_sections_are_all_collected_however_many_there_are(march: March) -> None
     assert len(tau) == 5000
 
 
+@pytest.mark.parametrize("room", [1, 7])
+def test_the_room_for_sections_changes_no_bit(march: March, room: int) -> None:
+    begin, end = (0.0, Inputs(0.3, 600.0)), (200.0, Inputs(0.9, 400.0))
+    found = []
+    for options in ({}, {"room": room}):
+        sections: list[Array] = []
+        march.restart(600.0)
+        windows = march.advance(begin, end, sections.append, **options)
+        found.append((windows, march.whole.tobytes(), np.concatenate(sections).tobytes(), len(sections)))
+    assert found[0][:3] == found[1][:3]
+    assert found[1][3] > found[0][3]
+
+
 def test_load_is_followed_linearly(make_train: MakeTrain) -> None:
     # On a stiff, damped train a slow ramp of the load is a sequence of static states.
     train = make_train({"*damping_ratio": 0.5, "*.torsional_stiffness": 1e6, "*.error_amplitude": [0, 0]})

@@ -56,6 +56,19 @@ def test_the_same_drive_gives_the_same_response_bit_for_bit(train: GearTrain) ->
     assert first.windows == second.windows
 
 
+@pytest.mark.parametrize("frequency", [1.3, -0.5, 0.0029])
+def test_progress_is_told_up_to_the_end_and_changes_no_bit(train: GearTrain, frequency: float) -> None:
+    system, told = System(train).at(frequency=frequency, load=600.0), list[tuple[int, int]]()
+    plain = integrate(system, transient=150, periods=100, target_steps=34)
+    found = integrate(system, transient=150, periods=100, target_steps=34, progress=lambda *given: told.append(given))
+    assert found.windows == plain.windows
+    assert found.state.tobytes() == plain.state.tobytes()
+    assert found.section.tobytes() == plain.section.tobytes()
+    assert told == sorted(told)
+    assert told[-1] == (250, 250)
+    assert len(told) > 4
+
+
 def test_zero_frequency_is_refused(train: GearTrain) -> None:
     with pytest.raises(ValueError, match="frequency is 0, where there is no mesh period"):
         integrate(System(train).at(frequency=0.0))

@@ -192,7 +192,7 @@ def test_a_cold_row_is_what_simulate_gives_there(light: System) -> None:
     ],
 )
 def test_every_quantity_means_what_simulate_means_by_it(
-    light: System, over: Any, value: float, same: dict[str, float]
+    light: System, over: Any, value: float, same: dict[str, Any]
 ) -> None:
     with closing(sweep_rows(light, Plan(over, value, value + 1, 2, transient=0, periods=4))) as rows:
         row = next(rows)

@@ -13,11 +13,13 @@ from numpy.typing import NDArray
 from seat_gear_dynamics.gears import GearTrain
 from seat_gear_dynamics.gears.units import RPM
 from seat_gear_dynamics.motion import OperatingPoint, System, load_system
+from seat_gear_dynamics.studies.identification import identify as identification
+from seat_gear_dynamics.studies.identification import waveform
 from seat_gear_dynamics.studies.identification.confidence import confidence, partners
-from seat_gear_dynamics.studies.identification.describe import described, lines, table, values
+from seat_gear_dynamics.studies.identification.describe import described, lines, values
 from seat_gear_dynamics.studies.identification.fit import Problem, Solution, solve
-from seat_gear_dynamics.studies.identification.identify import Fitted, identify
-from seat_gear_dynamics.studies.identification.model_observables import Drives, predict
+from seat_gear_dynamics.studies.identification.identify import FLOOR, Fitted, identify
+from seat_gear_dynamics.studies.identification.model_observables import Drives, Predicted, predict
 from seat_gear_dynamics.studies.identification.observables import Dwell, observe, statistics
 from seat_gear_dynamics.studies.identification.parameters import PARAMETERS, Candidate, chosen
 from seat_gear_dynamics.studies.identification.synthetic import synthetic_dwells
@@ -151,7 +153,7 @@ def test_noise_widens_the_models_statistics_as_it_does_a_record(gentle: GearTrai
 def test_golden_observables(train: GearTrain) -> None:
     drives = Drives(np.array([600 * RPM]), np.array([400.0]), (3,))
     found = predict([Candidate(train)], drives, Sensor())[0]
-    expected = [376.814074, 335.736842, -24.000638, 968.180406, 65.369108, 445.726809, 112.648888]
+    expected = [376.747132, 335.813845, -23.678509, 971.433041, 65.292695, 445.826108, 112.71273]
     assert found.regular.all()
     # Printed to six decimals; rounding of a periodic motion dies away.
     np.testing.assert_allclose(found.value, expected, rtol=1e-6)
@@ -283,12 +285,14 @@ def test_the_fitted_description_opens_and_carries_the_values(
 
 def test_the_table_holds_every_observable(fitted: tuple[Candidate, Fitted]) -> None:
     found = fitted[1]
-    rows = table(found)
-    assert len(rows) == sum(len(o.value) for o in found.observed)
-    assert rows[0][1:3] == pytest.approx((250.0, 300.0))
-    assert rows[0][3] == "mean"
-    before, after = (np.array([row[k] - row[4] for row in rows]) for k in (6, 7))
-    assert np.abs(after).max() < 0.2 * np.abs(before).max()
+    table = found.table()
+    assert {len(column.values) for column in table} == {sum(len(o.value) for o in found.observed)}
+    assert table.column("speed_rpm").title == "speed_rpm [r/min]"
+    assert table.column("after").title == "after [N]"
+    assert [table.column(name).values[0] for name in ("speed_rpm", "load")] == pytest.approx([250.0, 300.0])
+    assert table.column("observable").values[0] == "mean"
+    measured, before, after = (np.array(table.column(name).values) for name in ("measured", "before", "after"))
+    assert np.abs(after - measured).max() < 0.2 * np.abs(before - measured).max()
 
 
 def test_too_little_is_refused_in_a_sentence(train: GearTrain) -> None:
@@ -322,16 +326,77 @@ def test_every_parameter_is_set_and_read_back(train: GearTrain, name: str) -> No
     assert changed.train.meshes[1] == train.meshes[1]
 
 
-def test_backlash_is_told_where_both_flanks_are_hit(make_train: Callable[..., GearTrain]) -> None:
-    """A mesh as tight as its transmission error closes on both flanks in every dwell: every force depends on b."""
-    before = make_train({"*.error_amplitude": [4.4], "*.error_phase": [0.4], "meshes.*.backlash": 4.0})
-    truth = Candidate(before).with_values(["backlash"], [4.3e-6])
+def tight(make_train: Callable[..., GearTrain]) -> GearTrain:
+    """A mesh as tight as its transmission error, which closes on both flanks in every dwell."""
+    return make_train({"*.error_amplitude": [4.4], "*.error_phase": [0.4], "meshes.*.backlash": 4.0})
+
+
+@pytest.mark.parametrize(("beside", "value"), [("damping", 0.08), ("stiffness", 2.25e8)])
+def test_backlash_and_another_are_told_together_where_both_flanks_are_hit(
+    make_train: Callable[..., GearTrain], beside: str, value: float
+) -> None:
+    before = tight(make_train)
+    names = ("backlash", beside)
+    truth = Candidate(before).with_values(names, [4.3e-6, value])
     drives = [(speed * RPM, 60.0) for speed in (500, 600, 700, 800, 900)]
-    dwells = synthetic_dwells(truth.train, drives, Sensor(), seconds=1.2, noise=1.0)
+    # A rate that is no whole ratio of a mesh frequency: quantiles see every phase.
+    dwells = synthetic_dwells(truth.train, drives, Sensor(), seconds=1.2, rate=2003.7, noise=1.0)
     assert all(dwell.value.min() < 0 < dwell.value.max() for dwell in dwells)
-    found = identify(before, dwells, Sensor(), free=("backlash",), noise=1.0, candidates=12, searches=2)
-    backlash = found.estimates[0]
-    assert backlash.interval is not None
-    low, high = backlash.interval
-    # As above: twice the 95 % interval.
-    assert low * (low / high) ** 0.5 < 4.3e-6 < high * (high / low) ** 0.5
+    found = identify(before, dwells, Sensor(), free=names, noise=1.0, candidates=4, searches=1)
+    for each in found.estimates:
+        assert each.interval is not None, each.parameter.name
+        low, high = each.interval
+        # 95 % intervals as they are, of a record that its seed fixes; the floor makes them wide for so little noise.
+        assert low < truth.value(each.parameter.name) < high, (each.parameter.name, each.interval)
+        assert high / low < 1.15, each.parameter.name
+
+
+def test_an_impacts_quantiles_do_not_depend_on_where_the_samples_fall(
+    make_train: Callable[..., GearTrain], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """An impulse that wanders between samples must not look like a change of force: the fit would follow it."""
+    before = Candidate(tight(make_train))
+    asked = [before.with_values(["backlash"], [value]) for value in np.linspace(4.07e-6, 4.3e-6, 12)]
+    drives = Drives(np.array([500 * RPM]), np.array([60.0]), (0,))
+    found = [np.array([each.value for each in predict(asked, drives, Sensor())])]
+    monkeypatch.setattr(waveform, "FINER", waveform.FINER + 2)
+    found.append(np.array([each.value for each in predict(asked, drives, Sensor())]))
+    # A fifth of what is added to every error, so that it bends no fit; 68 samples a period err by 2.8 times it.
+    np.testing.assert_allclose(found[0], found[1], atol=0.2 * FLOOR * np.abs(found[1]).max())
+
+
+def test_a_searchs_steps_are_told_up_to_the_end() -> None:
+    told: list[tuple[int, int]] = []
+    problem = Problem(DESIGN @ np.array([0.3, -0.2]), np.eye(24), np.full(2, -10.0), np.full(2, 10.0))
+    solve(
+        lambda x: x @ DESIGN.T, problem, np.zeros(2), reach=np.ones(2), seed=1, candidates=4, searches=2,
+        progress=lambda *given: told.append(given),
+    )  # fmt: skip
+    assert told == sorted(told)
+    assert told[0] == (0, told[-1][1])
+    assert told[-1][0] == told[-1][1]
+    assert len(told) > 3
+
+
+def test_a_dwell_that_follows_the_fit_into_chaos_is_left_out_for_good(
+    train: GearTrain, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Its motion is regular where the other dwells put the damping, and irregular where it pulls it to itself."""
+    time = np.arange(4000) / 2000
+    dwells = [Dwell(SPEED, load, time, SPEED * time, 100 + 100 * np.cos(TEETH * SPEED * time)) for load in range(1, 6)]
+    shape = observe(dwells[0], TEETH).value
+
+    def model(candidates: list[Candidate], drives: Drives, sensor: Sensor) -> list[Predicted]:
+        said = []
+        for each in candidates:
+            damping = each.value("damping")
+            value = np.tile(shape * 0.085 / damping, (5, 1))
+            value[2] *= 1.02
+            said.append(Predicted(value.ravel(), np.array([True, True, damping < 0.0852, True, True])))
+        return said
+
+    monkeypatch.setattr(identification, "predict", model)
+    found = identify(train, dwells, Sensor(), free=("damping",), searches=1)
+    assert found.left_out == ("", "", "irregular in the model", "", "")
+    # The other four agree exactly; the search ends at a relative change of 1e-5.
+    assert found.estimates[0].value == pytest.approx(0.085, rel=1e-4)

@@ -280,7 +280,11 @@ def test_runs_through_the_monitors_session_are_scored_as_they_should(
 
 def test_the_order_of_runs_changes_no_count(train: GearTrain, source: PublishedBands, nominal: RegimeMap) -> None:
     runs = suite(source, (550.0, 650.0), seed=2, count=3)
-    known = known_motions(runs, train)
+    told: list[tuple[str, int, int]] = []
+    known = known_motions(runs, train, tell=lambda *given: told.append(given))
+    assert told[:3] == [("drives of the runs", k, 3) for k in (1, 2, 3)]
+    assert told[3:] == [("motions where they dwell", k, len(told) - 3) for k in range(1, len(told) - 2)]
+    assert len(told) > 3
     found = [outcome(run, train, source, AlarmSettings(), known, nominal) for run in runs]
     one, other = gathered(found), gathered(found[::-1])
     assert one.whole.per_hour(1) == other.whole.per_hour(1)

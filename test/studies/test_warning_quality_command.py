@@ -37,7 +37,9 @@ def assessment() -> Assessment:
 def test_two_runs_are_scored_written_and_drawn(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     written, drawn = tmp_path / "q.json", tmp_path / "q.png"
     assert quality.run(parse(f"--runs 2 --seed 1 --workers 1 --json --output {written} --plot {drawn}")) == 0
-    printed = json.loads(capsys.readouterr().out)
+    said = capsys.readouterr()
+    assert said.err == ""
+    printed = json.loads(said.out)
     assert json.loads(written.read_text(encoding="utf-8")) == printed
     assert (printed["bands"], printed["seed"], printed["whole"]["runs"]) == ("map", [1], 2)
     assert set(printed["families"]) == {"ramp", "inside"}

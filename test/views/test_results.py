@@ -30,6 +30,13 @@ from seat_gear_dynamics.studies.contact_verification import (
     Statistics,
 )
 from seat_gear_dynamics.studies.harmonic_balance import response_curve
+from seat_gear_dynamics.studies.identification.confidence import Confidence
+from seat_gear_dynamics.studies.identification.fit import Solution
+from seat_gear_dynamics.studies.identification.identify import Estimate, Fitted
+from seat_gear_dynamics.studies.identification.model_observables import Drives, Predicted
+from seat_gear_dynamics.studies.identification.observables import Observed, names_for
+from seat_gear_dynamics.studies.identification.parameters import chosen
+from seat_gear_dynamics.studies.identification.waveform import Sensor
 from seat_gear_dynamics.studies.taguchi import Factor, run_study
 from seat_gear_dynamics.studies.warning_quality.assess import Assessment
 from seat_gear_dynamics.studies.warning_quality.score import Roc, Tally
@@ -80,6 +87,31 @@ def made_condition() -> ConditionRun:
     return ConditionRun(CONDITIONS[5], Assumptions(), 5652.0, 1.0, made, 1.0, statistics, statistics)
 
 
+def made_fit(train: GearTrain) -> Fitted:
+    """Four dwells, one of which was left out; nothing is told of the second parameter."""
+    drives = Drives(np.full(4, 50.0), np.array([20.0, 20.0, 300.0, 300.0]), (1, 1, 0, 1))
+    value = np.array([100.0, 20.0, 70.0, 130.0, 25.0])
+    observed = tuple(
+        Observed(names_for(n), value[: 4 + n], np.eye(4 + n), np.ones((10, 4 + n)), 1.0) for n in drives.orders
+    )
+    measured = np.concatenate([each.value for each in observed])
+    before, after = (Predicted(factor * measured, np.ones(4, dtype=bool)) for factor in (1.2, 0.99))
+    parameters = chosen(["damping", "backlash"])
+    estimates = (
+        Estimate(parameters[0], 0.07, 0.08, (0.07, 0.09), (0.07, 0.09), False, ()),
+        Estimate(parameters[1], 2e-5, 2e-5, None, None, True, ("damping",)),
+    )
+    correlation = np.array([[1.0, np.nan], [np.nan, np.nan]])
+    sure = Confidence(
+        np.array([0.1, np.inf]), np.zeros((2, 2)), np.array([True, False]), correlation, np.ones(2), np.ones(2), 1.0
+    )
+    solution = Solution(np.zeros(1), 0.5, np.ones((19, 1)), np.zeros(19), 1, 1)
+    left_out = ("", "irregular in the record", "", "")
+    return Fitted(
+        Sensor(), drives, observed, before, after, left_out, estimates, sure, solution, (1, 1), train, 1.0
+    )  # fmt: skip
+
+
 def experiment(setting: Mapping[str, float]) -> dict[str, float]:
     return {"y": setting["A"] * setting["B"] ** -0.5}
 
@@ -106,6 +138,7 @@ MAKERS: dict[str, Callable[[GearTrain], Plottable]] = {
     "condition": lambda train: made_condition(),
     "assessment": lambda train: Assessment(TALLY, {}, {"danger": ROC}, {}),
     "roc": lambda train: ROC,
+    "fit to a bench": made_fit,
 }
 PANELS = {
     "history": ("time", "portrait", "force", "section"),
@@ -114,6 +147,7 @@ PANELS = {
     "response curve": ("rms", "contact_loss", "force_max"),
     "condition": ("run", "settled"),
     "assessment": ("roc", "machine_roc", "notices", "delays"),
+    "fit to a bench": ("ranges", "spreads", "residuals", "correlation"),
 }
 UNIT = re.compile(r", (r/min|N·m|N|kN|µm|%|s|ms|dB|1/τ)\b|, %| of the force, N$|b_c|τ|Ω")
 PURE = (

@@ -7,6 +7,7 @@ import re
 import shutil
 import tempfile
 from collections import Counter
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -25,6 +26,9 @@ from seat_gear_dynamics.logs.recovery.result import FileResult, Recovery, TopicR
 from seat_gear_dynamics.logs.recovery.scan import Piece, Survey, survey
 from seat_gear_dynamics.logs.recovery.tally import Tally
 from seat_gear_dynamics.logs.recovery.verify import verify
+
+Tell = Callable[[str, int, int], None]
+"""Takes (stage, done, in all)."""
 
 _ROSBAG2 = "rosbag2"  # its metadata record: counts and files, which are stated anew
 _OURS = re.compile(r"seat_gear_dynamics \d")  # the recorder's library text; its channels have one order in all files
@@ -63,13 +67,19 @@ def default_output(log: Path) -> Path:
 
 
 def recover(
-    log: Path | str, output: Path | str | None = None, *, unchecked: bool = False, version: str = "0"
+    log: Path | str,
+    output: Path | str | None = None,
+    *,
+    unchecked: bool = False,
+    version: str = "0",
+    tell: Tell | None = None,
 ) -> Recovery:
     """Write a sound bag of everything in a damaged log that a checksum vouches for; the log itself is only read.
 
     `log`: a bag directory, with metadata.yaml or without, or one .mcap file. `output`: the new bag's directory, which
     must not exist (default: `NAME_recovered` beside the log). `unchecked`: keep well-formed messages without a checksum
-    too; a wrong byte in them cannot be found. `version`: of the software, kept in the files.
+    too; a wrong byte in them cannot be found. `version`: of the software, kept in the files. `tell` gets (stage, done,
+    in all): MiB searched and written, then messages read back.
 
     A chunk is kept whole or not at all: when the CRC over its content is right, or a checksum of its codec's, or the
     CRC of the whole data section. Its messages keep bytes, times, sequence numbers and topics. The new bag has been
@@ -79,14 +89,15 @@ def recover(
     target = Path(output).absolute() if output is not None else default_output(log)
     claims = read_claims(log)
     _check_target(log, target)
+    tell = tell or (lambda stage, done, total: None)
     try:
-        files = [_survey(path, unchecked) for path in claims.files]
+        files = list(_surveyed(claims.files, unchecked, tell))
         notes = _name_channels(files, claims, unchecked)
         _demand_something(log, files, unchecked)
         target.parent.mkdir(parents=True, exist_ok=True)
         folder = Path(tempfile.mkdtemp(prefix=f".{target.name}_", dir=target.parent))
         try:
-            return _write(log, target, folder, claims, files, notes, unchecked, version)
+            return _write(log, target, folder, claims, files, notes, unchecked, version, tell)
         finally:
             shutil.rmtree(folder, ignore_errors=True)
     except OSError as cause:
@@ -103,10 +114,29 @@ def _check_target(log: Path, target: Path) -> None:
         raise LogError(f"The folder {target} would lie in the damaged log, which is never touched; choose another.")
 
 
-def _survey(path: Path, unchecked: bool) -> _File:
-    with Source(path) as source:
-        found = survey(source, unchecked=unchecked)
-        return _File(path, source.size, found, found.declarations.usable())
+def _surveyed(paths: Sequence[Path], unchecked: bool, tell: Tell) -> Iterator[_File]:
+    begin, total = 0, sum(path.stat().st_size for path in paths)
+    for path in paths:
+        told = _in_mebibytes("searching, MiB", begin, total, tell)
+        told(0)
+        with Source(path) as source:
+            found = survey(source, unchecked=unchecked, progress=told)
+            yield _File(path, source.size, found, found.declarations.usable())
+            begin += source.size
+
+
+def _in_mebibytes(stage: str, begin: int, total: int, tell: Tell) -> Callable[[int], None]:
+    """Return what tells of an offset in a file that `begin` bytes lie before, each MiB once; the end is rounded up."""
+    last = -1
+
+    def told(offset: int) -> None:
+        nonlocal last
+        done = -(-(begin + offset) >> 20)
+        if done != last:
+            last = done
+            tell(stage, done, -(-total >> 20))
+
+    return told
 
 
 def _name_channels(files: list[_File], claims: Claims, unchecked: bool) -> list[str]:
@@ -149,6 +179,7 @@ def _write(
     notes: list[str],
     unchecked: bool,
     version: str,
+    tell: Tell,
 ) -> Recovery:
     tally = Tally()
     lost = sum(len(file.found.lost) for file in files)
@@ -156,14 +187,17 @@ def _write(
         claims, claims.custom_data | {"recovered_from": log.name, "recovery": f"{lost} damaged stretches left out"}
     )
     records: list[FileRecord] = []
+    begin, total = 0, sum(file.size for file in files)
     for file in files:
+        told = _in_mebibytes("writing, MiB", begin, total, tell)
+        begin += file.size
         if file.worth_writing:
             path = folder / f"{target.name}_{len(records)}.mcap"
             description.add_topics(file.declarations)
-            records.append(_rebuild(file, path, version, tally, description, records))
+            records.append(_rebuild(file, path, version, tally, description, records, told))
     replace_text(folder / FILE_NAME, description.document(records))
     ros2 = all(_profile(file) == "ros2" for file in files if file.record)
-    verified, doubts = verify(folder, tally, ros2=ros2)
+    verified, doubts = verify(folder, tally, ros2=ros2, progress=lambda done, all: tell("reading back", done, all))
     _put_in_place(folder, target)
     notes = [*notes, *_nameless_notes(files), *doubts]
     if unchecked and any(file.found.unproven for file in files):
@@ -189,7 +223,13 @@ def _put_in_place(folder: Path, target: Path) -> None:
 
 
 def _rebuild(
-    file: _File, path: Path, version: str, tally: Tally, description: Description, before: list[FileRecord]
+    file: _File,
+    path: Path,
+    version: str,
+    tally: Tally,
+    description: Description,
+    before: list[FileRecord],
+    tell: Callable[[int], None],
 ) -> FileRecord:
     library = f"seat_gear_dynamics recovery {version}"
     rebuilt = RebuiltFile(
@@ -199,6 +239,7 @@ def _rebuild(
         with Source(file.path) as source:
             for piece in file.found.pieces:
                 _copy(source, piece, rebuilt)
+                tell(piece.end)
         file.record = rebuilt.record
         text = description.serialized([*before, file.record])
         rebuilt.add_metadata(_ROSBAG2, {"serialized_metadata": text})

@@ -6,7 +6,7 @@ import hashlib
 import re
 from bisect import bisect_left
 from collections import Counter
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass, field
 from typing import NamedTuple
 
@@ -98,18 +98,20 @@ class Survey:
             self.lost.append(Lost(begin, end, reason))
 
 
-def survey(source: Source, *, unchecked: bool = False) -> Survey:
+def survey(source: Source, *, unchecked: bool = False, progress: Callable[[int], None] | None = None) -> Survey:
     """Find everything in a file that can be kept; raises `OSError`.
 
     With `unchecked`, chunks and loose records without a checksum are kept too if they are well-formed, loose ones up to
     the first damage. One chunk and one MiB are in memory at a time. The time taken grows with the file's size alone.
+    `progress` is told the offset reached.
     """
-    return _Walk(source, unchecked).run()
+    return _Walk(source, unchecked, progress or (lambda offset: None)).run()
 
 
 class _Walk:
-    def __init__(self, source: Source, unchecked: bool) -> None:
+    def __init__(self, source: Source, unchecked: bool, tell: Callable[[int], None]) -> None:
         self._source = source
+        self._tell = tell
         self._unchecked = unchecked
         self._ending = read_ending(source)
         self._found = Survey(self._ending)
@@ -127,6 +129,7 @@ class _Walk:
             self._found.lose(0, min(len(MCAP0_MAGIC), self._source.size), "it does not begin like an MCAP file")
         while position is not None and position < self._ending.end:
             position = self._step(position)
+            self._tell(self._ending.end if position is None else position)
         return self._found
 
     def _step(self, position: int) -> int | None:
@@ -269,6 +272,7 @@ class _Walk:
             yield from (place for place in places[bisect_left(places, begin) :] if place < self._ending.end)
             return
         while begin < self._ending.end:
+            self._tell(begin)
             # The frame of a candidate may reach into the next block, and so may the magic of a file within.
             block = self._source.read(begin, begin + _BLOCK + FRAME.size)
             magic = block.find(MCAP0_MAGIC)

@@ -1,4 +1,4 @@
-"""A fit in words, in rows, as plain values, and written into the text of a system description."""
+"""A fit in words, as plain values, and written into the text of a system description."""
 
 import re
 from typing import Any
@@ -17,7 +17,6 @@ _DIMENSIONS = {
     "backlash": "length",
     "load_scale": "number",
 }
-COLUMNS = ("dwell", "speed_rpm", "load_nm", "observable", "measured", "standard_error", "before", "after", "left_out")
 
 
 def described(text: str, fitted: Fitted) -> str:
@@ -33,28 +32,6 @@ def described(text: str, fitted: Fitted) -> str:
     if not fitted.train.meshes[0].scale_to_mean or _kept(fitted, "stiffness"):
         return text
     return _with_flag(text, "meshes.s1_s2.scale_to_mean")
-
-
-def table(fitted: Fitted) -> list[tuple[Any, ...]]:
-    """Return one row an observable in the order of COLUMNS: what the figure draws."""
-    rows, at = [], 0
-    for d, observed in enumerate(fitted.observed):
-        for k, name in enumerate(observed.names):
-            rows.append(
-                (
-                    d + 1,
-                    float(fitted.drives.speed[d]) / RPM,
-                    float(fitted.drives.load[d]),
-                    name,
-                    float(observed.value[k]),
-                    float(observed.standard_error[k]),
-                    float(fitted.before.value[at]),
-                    float(fitted.after.value[at]),
-                    fitted.left_out[d],
-                )
-            )
-            at += 1
-    return rows
 
 
 def values(fitted: Fitted) -> dict[str, Any]:
@@ -74,7 +51,7 @@ def values(fitted: Fitted) -> dict[str, Any]:
         "singular_values": [float(s) for s in sure.singular_values],
         "condition": _finite(sure.condition),
         "weakest_direction": dict(zip(names, map(float, sure.weakest), strict=True)),
-        "residual_scale": sure.scale,
+        "residual_scale": fitted.residual_scale,
         "cost": fitted.solution.cost,
         "searches_agreeing": fitted.searches[0],
         "searches": fitted.searches[1],
@@ -99,8 +76,8 @@ def lines(fitted: Fitted) -> list[str]:
                 f"{row}{_span(each.interval):27s}{_span(each.bootstrap):27s}{unit if unit != '1' else ''}".rstrip()
             )
     found.append(
-        f"residuals are {sure.scale:.2g} of the stated errors; condition of the Jacobian {sure.condition:.3g}; "
-        f"{fitted.searches[0]} of {fitted.searches[1]} searches agree"
+        f"residuals are {fitted.residual_scale:.2g} of the stated errors; "
+        f"condition of the Jacobian {sure.condition:.3g}; {fitted.searches[0]} of {fitted.searches[1]} searches agree"
     )
     return found
 

@@ -2,6 +2,7 @@
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from itertools import count
 
 import numpy as np
 from numpy.typing import NDArray
@@ -72,19 +73,22 @@ def solve(
 
     It runs from `start` (p,) and from the best of `candidates` points of a Latin hypercube (McKay et al. 1979) that
     lie within `reach` (p,) of it; `seed` makes that repeatable. Residuals are softened by SOFT. `progress` is told
-    (searches done, in all). Raises ValueError where there are fewer observables than parameters, and where the model
-    has no answer at the start. Limit: a local method; a resonance that lies out of reach of every start is not found.
+    (steps done, in all at most): a search that ends early leaps ahead. Raises ValueError where there are fewer
+    observables than parameters, and where the model has no answer at the start. Limit: a local method; a resonance
+    that lies out of reach of every start is not found.
     """
     if len(problem.measured) < len(start):
         raise ValueError(
             f"There are {len(problem.measured)} observables for {len(start)} free parameters; give more dwells."
         )
+    tell, most = progress or (lambda done, total: None), _EVALUATIONS * (1 + max(0, min(searches - 1, candidates)))
+    tell(0, most)
     firsts = _starts(predict, problem, start, reach, seed, candidates, searches)
     ends = []
     for k, first in enumerate(firsts):
-        ends.append(_search(predict, problem, first))
-        if progress is not None:
-            progress(k + 1, len(firsts))
+        begin = k * _EVALUATIONS
+        ends.append(_search(predict, problem, first, lambda step, begin=begin: tell(begin + step, most)))  # type: ignore[misc]
+        tell(begin + _EVALUATIONS, most)
     x, cost = min(ends, key=lambda end: end[1])
     agreeing = sum(own <= cost + 1.0 for _, own in ends)
     return Solution(
@@ -115,13 +119,19 @@ def _starts(
     return [first, *points[np.argsort(costs)[: searches - 1]]]
 
 
-def _search(predict: Predict, problem: Problem, first: Array) -> tuple[Array, float]:
+def _search(predict: Predict, problem: Problem, first: Array, tell: Callable[[int], None]) -> tuple[Array, float]:
     # SciPy wants a start inside the bounds.
     inside = np.clip(first, problem.low + 1e-6, problem.high - 1e-6)
+    step = count()
+
+    def slopes(x: Array) -> Array:
+        tell(next(step))
+        return jacobian(predict, problem, x)
+
     found = least_squares(
         lambda x: problem.residual(predict(x[None])[0]),
         inside,
-        jac=lambda x: jacobian(predict, problem, x),
+        jac=slopes,
         bounds=(problem.low, problem.high),
         loss="soft_l1",
         f_scale=SOFT,

@@ -2,15 +2,18 @@
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from functools import partial
+from itertools import count
 
 import numpy as np
 from numpy.typing import NDArray
 
 from seat_gear_dynamics.gears import GearTrain
+from seat_gear_dynamics.plotting import Plottable
 from seat_gear_dynamics.studies.identification.confidence import Confidence, confidence, partners
-from seat_gear_dynamics.studies.identification.fit import Problem, Solution, solve
+from seat_gear_dynamics.studies.identification.fit import STEP, Problem, Solution, solve
 from seat_gear_dynamics.studies.identification.model_observables import Drives, Predicted, predict
-from seat_gear_dynamics.studies.identification.observables import Dwell, Observed, observe
+from seat_gear_dynamics.studies.identification.observables import Dwell, Observed, observe, whitened
 from seat_gear_dynamics.studies.identification.parameters import DEFAULT, Candidate, Parameter, chosen
 from seat_gear_dynamics.studies.identification.waveform import Sensor
 
@@ -22,7 +25,8 @@ FLOOR = 0.005
 """Share of a dwell's largest observable that is added to every standard error: a force sensor of class 0.5."""
 _REGULAR = 0.5  # share of the variance at mesh orders and halves, below which a record counts as irregular
 _APART = 6.0  # times the median dwell's rms residual, beyond which a dwell is on another branch
-_ROUNDS = 3
+_ROUNDS = 3  # fits after which a dwell that is far is not let in and out any longer
+_RECORD, _MODEL = "irregular in the record", "irregular in the model"
 Tell = Callable[[str, int, int], None]
 
 
@@ -45,7 +49,7 @@ class Estimate:
 
 
 @dataclass(frozen=True, eq=False)
-class Fitted:
+class Fitted(Plottable, figure="identification:plot_identification", table="identification:identification_table"):
     """What was measured and what the model says of it, before and after."""
 
     sensor: Sensor
@@ -70,6 +74,12 @@ class Fitted:
         """Dwells that the fit used, (d,)."""
         return np.array([not reason for reason in self.left_out])
 
+    @property
+    def residual_scale(self) -> float:
+        """Standard deviation of the last fit's whitened residuals: 1 where the record errs as stated."""
+        count, free = self.solution.jacobian.shape
+        return float(np.linalg.norm(self.solution.residual) / np.sqrt(max(count - free, 1)))
+
 
 def identify(
     train: GearTrain,
@@ -88,10 +98,11 @@ def identify(
 
     `noise` is the sensor's standard deviation in its unit, the start where it is free; `floor` the share of a dwell's
     largest observable added to its errors. Dwells whose record or whose model is irregular (chaotic, quasi-periodic,
-    of a period above 12) are left out, and those that stay far from a fit of all others; what is left out is looked
-    at again after each of up to three fits. Parameters that the record does not tell are held at their start, the
-    least certain first, and the rest fitted again. `tell` gets (stage, done, in all). Raises ValueError, a sentence,
-    where fewer than LEAST_DWELLS dwells are regular, and as `observe`, `chosen` and `solve`.
+    of a period above 12) are left out: at a fit, a step beside it, and at all fits after. So are those that stay far
+    from a fit of all others. What is left out is looked at after each fit, until no dwell has to go. Parameters that
+    the record does not tell are held at their start, the least certain first, and the rest fitted again. `tell` gets
+    (stage, done, in all). Raises ValueError, a sentence, where fewer than LEAST_DWELLS dwells are regular, and as
+    `observe`, `chosen` and `solve`.
 
     Limits: P12 alone is measured and fitted. The model's form, masses, supports and transmission error are taken as
     given; an error in them goes into the parameters, and no interval knows of it.
@@ -108,6 +119,10 @@ def identify(
     )
     work = _Work(start, parameters, drives, sensor, observed, floor)
     return work.run(seed, candidates, searches, tell or (lambda stage, done, total: None))
+
+
+def _irregular(left_out: Sequence[str]) -> list[bool]:
+    return [reason in (_RECORD, _MODEL) for reason in left_out]
 
 
 def _first_noise(noise: float, free: Sequence[str], dwells: Sequence[Dwell]) -> float:
@@ -145,32 +160,56 @@ class _Work:
 
     def run(self, seed: int, candidates: int, searches: int, tell: Tell) -> Fitted:
         before = self._said(self._start)
-        left_out = self._judged(before)
+        left_out = self._judged([before])
         known = {p.name: self._start.value(p.name) for p in self._parameters}
-        for round in range(_ROUNDS):
-            wide = (candidates, searches) if round == 0 else (0, 1)
-            found = self._fit(self._parameters, known, left_out, seed, *wide, lambda d, n: tell("fit", d, n))
-            self._searches = (found.agreeing, found.searches) if round == 0 else self._searches
+        # Each turn but the last leaves out a dwell more, so that there are no more of them than dwells.
+        while True:
+            found, left_out = self._fitted(known, left_out, seed, candidates, searches, tell)
             known = dict(zip(known, np.exp(found.x).tolist(), strict=True))
-            after = self._said(self._start.with_values(list(known), list(known.values())))
-            again = self._judged(after, found)
-            if again == left_out or round == _ROUNDS - 1:
+            sure = confidence(found, self._problem(self._parameters, left_out), self._rows(left_out), seed=seed)
+            settled = self._settled(found, sure, left_out, before, seed, tell)
+            again = self._judged([settled.after], kept=left_out)
+            if _irregular(again) == _irregular(left_out):
+                return settled
+            left_out, candidates, searches = again, 0, 1
+
+    def _fitted(
+        self, known: dict[str, float], left_out: tuple[str, ...], seed: int, candidates: int, searches: int, tell: Tell
+    ) -> tuple[Solution, tuple[str, ...]]:
+        """Fit until no dwell that is used is irregular at the solution, or at the points of its Jacobian."""
+        for round in count():
+            stage = "fit" if round == 0 else f"fit {round + 1}"
+            wide = (candidates, searches) if round == 0 else (0, 1)
+            found = self._fit(self._parameters, known, left_out, seed, *wide, partial(tell, stage))
+            first = not self._searches[1]
+            self._searches = (found.agreeing, found.searches) if first else self._searches
+            known = dict(zip(known, np.exp(found.x).tolist(), strict=True))
+            # The start may be far off, and what it said is not kept.
+            again = self._judged(self._around(found.x), found, kept=() if first else left_out)
+            grown = _irregular(again) != _irregular(left_out)
+            if again == left_out or (round + 1 >= _ROUNDS and not grown):
                 break
             left_out = again
-        sure = confidence(found, self._problem(self._parameters, left_out), self._rows(left_out), seed=seed)
-        return self._settled(found, sure, left_out, before, seed)
+        return found, left_out
+
+    def _around(self, x: Array) -> list[Predicted]:
+        """Return what the model says at `x`, the logarithms of all parameters, and a step off it along each."""
+        steps = STEP * np.eye(len(x))
+        names = [p.name for p in self._parameters]
+        asked = [self._start.with_values(names, np.exp(each).tolist()) for each in (x, *(x + steps), *(x - steps))]
+        return predict(asked, self._drives, self._sensor)
 
     def _settled(
-        self, found: Solution, sure: Confidence, left_out: tuple[str, ...], before: Predicted, seed: int
+        self, found: Solution, sure: Confidence, left_out: tuple[str, ...], before: Predicted, seed: int, tell: Tell
     ) -> Fitted:
         """Hold what is not identified, least certain first, fit the rest again, and put everything together."""
         kept, last, own, joint = list(self._parameters), found, sure, sure
         while len(kept) > 1 and not own.identified.all():
             worst = int(np.argmax(np.where(own.identified, -1.0, own.half_width)))
             values = {p.name: float(np.exp(x)) for p, x in zip(kept, last.x, strict=True)}
-            kept.pop(worst)
+            stage = f"fit, {kept.pop(worst).name} held"
             known = {p.name: values[p.name] for p in kept}
-            last = self._fit(kept, known, left_out, seed, 0, 1, None)
+            last = self._fit(kept, known, left_out, seed, 0, 1, partial(tell, stage))
             own = confidence(last, self._problem(kept, left_out), self._rows(left_out), seed=seed)
         values = {p.name: float(np.exp(x)) for p, x in zip(kept, last.x, strict=True)}
         estimates = tuple(self._estimate(k, p, values, joint, own, kept) for k, p in enumerate(self._parameters))
@@ -232,14 +271,22 @@ class _Work:
     def _said(self, candidate: Candidate) -> Predicted:
         return predict([candidate], self._drives, self._sensor)[0]
 
-    def _judged(self, said: Predicted, found: Solution | None = None) -> tuple[str, ...]:
-        """Return why each dwell is left out; raise ValueError where too few are not."""
+    def _judged(
+        self, said: Sequence[Predicted], found: Solution | None = None, *, kept: Sequence[str] = ()
+    ) -> tuple[str, ...]:
+        """Return why each dwell is left out; raise ValueError where too few are not.
+
+        The first of `said` is at the fit `found`; a dwell has to be regular in all of them. What was irregular before,
+        in `kept`, stays so: such a dwell follows the parameters into chaos and out of it, and would pin them there.
+        """
+        regular = np.all([each.regular for each in said], axis=0)
         reasons = [
-            "irregular in the record" if o.regular < _REGULAR else "" if regular else "irregular in the model"
-            for o, regular in zip(self._observed, said.regular, strict=True)
+            _RECORD if o.regular < _REGULAR else "" if calm else _MODEL
+            for o, calm in zip(self._observed, regular, strict=True)
         ]
+        reasons = [old if old in (_RECORD, _MODEL) else new for old, new in zip(kept or reasons, reasons, strict=True)]
         if found is not None:
-            for d in self._far(said, reasons):
+            for d in self._far(said[0], reasons):
                 reasons[d] = "far from a fit of the others"
         _enough(reasons.count(""), "regular motion")
         return tuple(reasons)
@@ -254,17 +301,3 @@ class _Work:
         limit = _APART * max(1.0, float(np.nanmedian(rms)))
         worst = [int(d) for d in np.argsort(-np.nan_to_num(rms)) if rms[d] > limit]
         return worst[: reasons.count("") // 4]
-
-
-def whitened(observed: Observed, floor: float) -> Array:
-    """Return W with WᵀW the inverse covariance of a dwell's observables, (m, m).
-
-    `floor` times the largest observable is added to every standard error, in quadrature; correlations, which
-    come from few parts, are shrunk towards none as if as many parts as observables had shown none.
-    """
-    deviation = observed.standard_error
-    extra = floor * float(np.abs(observed.value).max())
-    shrink = len(observed.parts) / (len(observed.parts) + len(observed.value))
-    covariance = shrink * observed.covariance
-    covariance[np.diag_indices_from(covariance)] = deviation**2 + extra**2
-    return np.asarray(np.linalg.inv(np.linalg.cholesky(covariance)))

@@ -6,7 +6,6 @@ from math import lcm
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.interpolate import CubicSpline
 from scipy.stats import norm
 
 from seat_gear_dynamics.gears import GearTrain
@@ -19,10 +18,11 @@ Array = NDArray[np.float64]
 
 TRANSIENT, JUDGED = 1160, 40
 """Mesh periods of P12 run in, and looked at for recurrence; less run-in leaves ripples over the parameters."""
-RECORDED = 12
-"""Mesh periods whose waveform is taken: whole cycles of motions of period 1, 2, 3, 4, 6 and 12."""
+LONGEST = 12
+"""Mesh periods after which a regular motion has come back to itself at the latest."""
 _RECURRENCE = 0.02  # of b_c: told from chaos, which wanders by tenths; slow transients may still be dying away
-_FINER = 8
+_SAME = 1e-5  # of b_c: one period stands for all that follow
+_BETWEEN = 4  # places of a straight line between samples: quantiles of samples alone are steps
 _NOISE_NODES = norm.ppf((np.arange(15) + 0.5) / 15)
 
 
@@ -56,10 +56,11 @@ class Predicted:
 def predict(candidates: Sequence[Candidate], drives: Drives, sensor: Sensor) -> list[Predicted]:
     """Return what each of `candidates` says of all dwells, in order.
 
-    Each motion starts at rest under its load and runs in for 1160 mesh periods; statistics are then of its waveform
-    over 12. White noise of the sensor widens spread and quantiles by convolution with 15 nodes of equal probability.
-    Limits: one motion a drive, that which rest leads to, where the bench may be on another branch; the drive is held
-    at the dwell's mean; a chaotic motion's 12 periods are a sample, not its statistics.
+    Each motion starts at rest under its load and runs in for 1160 mesh periods and 40 more that are judged; statistics
+    are then of its waveform over as many periods as it takes to come back to itself, 12 where it does not. White noise
+    of the sensor widens spread and quantiles by convolution with 15 nodes of equal probability. Limits: one motion a
+    drive, that which rest leads to, where the bench may be on another branch; the drive is held at the dwell's mean; a
+    chaotic motion's 12 periods are a sample, not its statistics.
     """
     asked = [(c.train, LanePoints(_frequency(c.train, drives), drives.load)) for c in candidates]
     found = respond_trains(
@@ -70,22 +71,23 @@ def predict(candidates: Sequence[Candidate], drives: Drives, sensor: Sensor) -> 
         tangent=False,
         statistics=False,
     )
-    return [
-        Predicted(_values(c, drives, sensor, r.state, r.diverged), _recurs(r.section))
-        for c, r in zip(candidates, found, strict=True)
-    ]
+    said = []
+    for c, r in zip(candidates, found, strict=True):
+        apart = _apart(r.section)
+        same = apart < _SAME
+        periods = np.where(same.any(axis=0), same.argmax(axis=0) + 1, LONGEST) * ~r.diverged
+        regular = np.asarray((apart < _RECURRENCE).any(axis=0))
+        said.append(Predicted(_values(c, drives, sensor, r.state, periods), regular))
+    return said
 
 
-def observables_of(wave: Array, orders: int, noise: float) -> Array:
-    """Return the observables of a waveform (n,) over RECORDED whole mesh periods with white `noise`, (4 + orders,)."""
+def observables_of(wave: Array, periods: int, orders: int, noise: float) -> Array:
+    """Return the observables of a waveform (n,) over whole mesh `periods` with white `noise`, (4 + orders,)."""
     lines = 2 * np.abs(np.fft.rfft(wave)) / len(wave)
-    amplitudes = lines[RECORDED * np.arange(1, orders + 1)]
-    # Quantiles of the few samples of a short cycle would be coarse: those of a curve through them are not.
-    fine = CubicSpline(np.arange(len(wave)), wave)(np.arange((len(wave) - 1) * _FINER) / _FINER)
-    if not noise:
-        found = statistics(fine)
-    else:
-        found = statistics(np.add.outer(fine[:: _FINER // 2], noise * _NOISE_NODES).ravel())
+    amplitudes = lines[periods * np.arange(1, orders + 1)]
+    between = np.arange(len(wave) * _BETWEEN) / _BETWEEN
+    fine = np.interp(between, np.arange(len(wave) + 1), np.append(wave, wave[0]))
+    found = statistics(np.add.outer(fine, noise * _NOISE_NODES).ravel() if noise else fine)
     found[:2] = wave.mean(), np.hypot(wave.std(), noise)  # the nodes alone are a little narrower than the noise
     return np.concatenate([found, amplitudes])
 
@@ -101,22 +103,19 @@ def _frequency(train: GearTrain, drives: Drives) -> Array:
     return train.meshes[0].driver.teeth * drives.speed / train.model.time_scale
 
 
-def _values(c: Candidate, drives: Drives, sensor: Sensor, state: Array, diverged: NDArray[np.bool_]) -> Array:
-    parts = []
-    for k, frequency in enumerate(_frequency(c.train, drives)):
-        if diverged[k]:
-            parts.append(np.full(drives.sizes[k], np.nan))
-            continue
-        load = float(drives.load[k])
-        wave = waveform(c.train, sensor, frequency=float(frequency), load=load, state=state[k], periods=RECORDED)
-        parts.append(observables_of(wave, drives.orders[k], c.noise))
+def _values(c: Candidate, drives: Drives, sensor: Sensor, state: Array, periods: NDArray[np.int64]) -> Array:
+    """Return all observables; NaN for dwells of no `periods`, which have diverged."""
+    parts = [np.full(size, np.nan) for size in drives.sizes]
+    for k in np.flatnonzero(periods):
+        load, frequency, count = float(drives.load[k]), float(_frequency(c.train, drives)[k]), int(periods[k])
+        wave = waveform(c.train, sensor, frequency=frequency, load=load, state=state[k], periods=count)
+        if np.isfinite(wave).all():
+            parts[k] = observables_of(wave, count, drives.orders[k], c.noise)
     return np.concatenate(parts)
 
 
-def _recurs(section: Array) -> NDArray[np.bool_]:
-    """Return whether each section (d, JUDGED, 2) comes back to itself after 1 to RECORDED periods."""
-    least = np.full(len(section), np.inf)
-    for period in range(1, RECORDED + 1):
-        apart = np.abs(section[:, period:] - section[:, :-period])[:, -RECORDED:].max(axis=(1, 2))
-        least = np.fmin(least, apart)
-    return least < _RECURRENCE
+def _apart(section: Array) -> Array:
+    """Return how far sections (d, JUDGED, 2) are from themselves 1 to LONGEST periods before, (LONGEST, d)."""
+    return np.array(
+        [np.abs(section[:, p:] - section[:, :-p])[:, -LONGEST:].max(axis=(1, 2)) for p in range(1, LONGEST + 1)]
+    )

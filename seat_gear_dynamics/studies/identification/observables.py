@@ -95,6 +95,20 @@ def statistics(value: Array) -> Array:
     return np.stack([value.mean(axis=-1), value.std(axis=-1), low, high], axis=-1)
 
 
+def whitened(observed: Observed, floor: float) -> Array:
+    """Return W with WᵀW the inverse covariance of a dwell's observables, (m, m).
+
+    `floor` times the largest observable is added to every standard error, in quadrature; correlations, which
+    come from few parts, are shrunk towards none as if as many parts as observables had shown none.
+    """
+    deviation = observed.standard_error
+    extra = floor * float(np.abs(observed.value).max())
+    shrink = len(observed.parts) / (len(observed.parts) + len(observed.value))
+    covariance = shrink * observed.covariance
+    covariance[np.diag_indices_from(covariance)] = deviation**2 + extra**2
+    return np.asarray(np.linalg.inv(np.linalg.cholesky(covariance)))
+
+
 def _check(dwell: Dwell) -> None:
     lengths = {len(dwell.time), len(dwell.angle), len(dwell.value)}
     if lengths != {len(dwell.value)} or len(dwell.value) < PARTS * _SAMPLES_A_PART:

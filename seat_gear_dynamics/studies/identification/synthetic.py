@@ -30,7 +30,7 @@ def synthetic_dwells(
 
     `rate` samples a second for `seconds`, at a phase drawn from `seed`, with white `noise` in the sensor's unit. The
     motion is one continuous march, so a chaotic dwell is chaotic. Raises ValueError where a motion diverges. Limits:
-    the drive is perfectly steady, and samples are interpolated between 68 a mesh period.
+    the drive is perfectly steady, and samples are interpolated between 544 a mesh period.
     """
     random = np.random.default_rng(seed)
     speed, load = np.array(drives, dtype=float).T

@@ -1,6 +1,6 @@
 """Many labelled runs scored together: what the command and the tests call."""
 
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from itertools import repeat
 
@@ -54,9 +54,21 @@ class Assessment(Plottable, figure="warning_quality:plot_assessment", table="stu
         return float(np.median(found)) if found else float("nan")
 
 
-def known_motions(scenarios: Iterable[Scenario], train: GearTrain, workers: int | None = None) -> dict[Drive, Answer]:
-    """Return the motion at every steady point of the runs."""
-    return motions(train, {point for each in scenarios for point in steady_points(each)}, workers=workers)
+def known_motions(
+    scenarios: Sequence[Scenario],
+    train: GearTrain,
+    workers: int | None = None,
+    tell: Callable[[str, int, int], None] | None = None,
+) -> dict[Drive, Answer]:
+    """Return the motion at every steady point of the runs; `tell` gets (stage, done, in all)."""
+    told = tell or (lambda stage, done, total: None)
+    points: set[Drive] = set()
+    for k, scenario in enumerate(scenarios):
+        points.update(steady_points(scenario))
+        told("drives of the runs", k + 1, len(scenarios))
+    return motions(
+        train, points, workers=workers, progress=lambda done, total: told("motions where they dwell", done, total)
+    )
 
 
 def outcome(

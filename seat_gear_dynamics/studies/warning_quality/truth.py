@@ -1,6 +1,6 @@
 """What was so: danger of place and of motion, from the noiseless trajectory and long noiseless runs of the model."""
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
 from itertools import product
 from typing import Literal
@@ -65,13 +65,20 @@ def steady_points(scenario: Scenario) -> list[Drive]:
 
 
 def motions(
-    train: GearTrain, points: Iterable[Drive], *, transient: int = 1500, periods: int = 600, workers: int | None = None
+    train: GearTrain,
+    points: Iterable[Drive],
+    *,
+    transient: int = 1500,
+    periods: int = 600,
+    workers: int | None = None,
+    progress: Callable[[int, int], None] | None = None,
 ) -> dict[Drive, Answer]:
     """Return what the motion is at each steady point (rad/s of s1, N·m), by the point and eight points around it.
 
     `chaotic` or `calm` where all nine agree, SPEED_DOUBT and LOAD_DOUBT apart; `either` where they do not, or one of
     them leans to chaos without being sure. Each is run from rest for `transient` mesh periods and judged on `periods`.
-    A standing drive is calm. Limit: motions that coexist with the one from rest are not looked for.
+    A standing drive is calm. `progress` is told (runs done, in all). Limit: motions that coexist with the one from
+    rest are not looked for.
     """
     asked = sorted(set(points))
     moving = [(v, w) for v, w in asked if abs(v) > 2 * SPEED_DOUBT]
@@ -87,6 +94,8 @@ def motions(
         regime = regime_of(answer)
         sure = isinstance(answer, Diverged) or regime.name == "chaotic"
         chaos.append(1.0 if sure else 0.5 if regime.leans_chaotic else 0.0)
+        if progress is not None:
+            progress(len(chaos), len(moving) * len(steps))
     for k, point in enumerate(moving):
         found[point] = _agreed(chaos[k * len(steps) : (k + 1) * len(steps)])
     return found

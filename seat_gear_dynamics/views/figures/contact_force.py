@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from seat_gear_dynamics.studies.contact_verification import ConditionRun, ForceHistory
-from seat_gear_dynamics.views.figures.style import LINE_COLOURS, Axes, chosen, in_style, new_figure
+from seat_gear_dynamics.views.figures.style import LINE_COLOURS, Axes, chosen, in_style, is_narrow, new_figure
 
 Array = NDArray[np.float64]
 
@@ -60,13 +60,13 @@ def plot_condition(axes: Axes, run: ConditionRun, *, panel: str = "run") -> None
     if chosen(panel, {"run": True, "settled": False}):
         _draw(axes, history.time, history.force, run.static, LINE_COLOURS[0])
         axes.set_xlabel("time, s")
-        axes.set_ylim(bottom=0)
+        axes.set_ylim(0, 1.05 * max(float(history.force.max()), run.static) / 1e3)
     else:
         shown = _periods(run)
         time = (history.time[shown] - run.settled_from) * 1e3
         _draw(axes, time, history.force[shown], run.static, LINE_COLOURS[0])
         axes.set_xlabel("time since it settled, ms")
-    axes.set(ylabel="contact force of s1_s2, kN", title=fill(run.condition.name, 48))
+    axes.set(ylabel="contact force of s1_s2, kN", title=fill(run.condition.name, 36 if is_narrow(axes.figure) else 48))
 
 
 def _draw(axis: Axes, time: Array, force: Array, static: float, colour: str) -> None:

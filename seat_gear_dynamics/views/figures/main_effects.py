@@ -2,11 +2,13 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from textwrap import fill
 from typing import Any
 
 from seat_gear_dynamics.studies.taguchi.result import Study
 from seat_gear_dynamics.views.figures.style import LINE_COLOURS, Axes, chosen, in_style, new_figure
 
+_MOST_LETTERS = 12  # of the levels of a factor that fit beside each other
 _KEPT, _POOLED, _BEST = LINE_COLOURS[0], "#9A9A9A", LINE_COLOURS[1]
 
 
@@ -65,7 +67,7 @@ def plot_study(axes: Axes, study: Study, *, response: str = "") -> None:
         ratios = analysis.effects[factor.name]
         places = list(range(first, first + len(ratios)))
         _draw_effect(axes, places, ratios, pooled=source.pooled)
-        title = f"{factor.name}, {factor.unit}\n{source.contribution:.1%}"
+        title = f"{fill(factor.name, 10)}\n{factor.unit}\n{source.contribution:.1%}"
         axes.annotate(
             title,
             (sum(places) / len(places), 1.0),
@@ -89,7 +91,8 @@ def _draw(panel: Axes, effect: MainEffect, mean: float) -> None:
     places = range(len(effect.levels))
     panel.axhline(mean, color="#000000", linewidth=0.8, linestyle=":")
     _draw_effect(panel, places, effect.ratios, pooled=effect.pooled)
-    panel.set_xticks(list(places), [f"{value:.4g}" for value in effect.levels])
+    levels = [f"{value:.4g}" for value in effect.levels]
+    panel.set_xticks(list(places), levels, rotation=90 if sum(map(len, levels)) > _MOST_LETTERS else 0)
     panel.set_xlim(-0.4, len(effect.levels) - 0.6)
     panel.set_xlabel(f"{effect.name}\n({effect.unit})")
     panel.set_title(f"{effect.contribution:.1%}{' pooled' if effect.pooled else ''}", fontweight="normal", fontsize=9)

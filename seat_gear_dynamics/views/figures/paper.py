@@ -16,6 +16,7 @@ from seat_gear_dynamics.views.figures.style import (
     REGIME_COLOURS,
     Axes,
     in_style,
+    is_narrow,
     legend_columns,
     new_figure,
 )
@@ -83,7 +84,8 @@ def stiffness_figure(mesh: Mesh) -> Any:
         label += f", scaled to {mesh.mean_stiffness:.4g} N/m"
     axes.plot(phase, mesh.stiffness.value(phase) / 1e8, color=LINE_COLOURS[1], linestyle="--", label=label)
     axes.set(xlabel="mesh phase, periods", ylabel="mesh stiffness, 10⁸ N/m", ylim=(0, None))
-    figure.legend(loc="outside upper left", ncols=2, fontsize=8)
+    narrow = is_narrow(figure)
+    figure.legend(loc="outside upper left", ncols=1 if narrow else 2, fontsize=7 if narrow else 8)
     return figure
 
 

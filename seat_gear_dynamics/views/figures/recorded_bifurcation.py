@@ -10,6 +10,7 @@ from seat_gear_dynamics.views.colours import BAND
 from seat_gear_dynamics.views.figures.bifurcation import draw_section
 from seat_gear_dynamics.views.figures.style import REGIME_COLOURS, Axes, in_style, new_figure
 
+_MANY = 5000  # points that would run into each other
 _WAYS = ((1, "up", "run-up"), (-1, "down", "run-down"))
 
 
@@ -34,7 +35,9 @@ def recorded_bifurcation_figure(found: Analysis) -> Any:
             panel.axvspan(band.low / RPM, band.high / RPM, color=BAND, alpha=0.12, linewidth=0.8)
     cells = found.occupancy.cells()
     if len(cells):
-        axes[0, 0].set_xlim(0, 1.04 * float(cells[:, 0].max()) / RPM + 5)
+        low, high = float(cells[:, 0].min()) / RPM, float(cells[:, 0].max()) / RPM
+        margin = 0.04 * (high - low) + 5
+        axes[0, 0].set_xlim(max(low - margin, 0.0), high + margin)
     for row in axes:
         row[0].set_ylabel("δ / b_c at mesh phase 0")
         row[1].set_ylabel("")
@@ -47,7 +50,8 @@ def _draw_recorded(axes: Axes, found: Analysis, sign: int) -> None:
     if not len(points):
         axes.text(0.5, 0.5, "no section point", transform=axes.transAxes, ha="center", color="#7F7F7F")
         return
-    axes.plot(points[:, 0] / RPM, points[:, 1], ".", color="black", markersize=1.4, markeredgewidth=0, rasterized=True)
+    size = 1.4 if len(points) > _MANY else 2.4
+    axes.plot(points[:, 0] / RPM, points[:, 1], ".", color="black", markersize=size, markeredgewidth=0, rasterized=True)
     # The whole of a wandering motion is shown, but not what a restart at rest throws about.
     low, high = np.quantile(points[:, 1], (0.001, 0.999))
     margin = 0.08 * max(high - low, 1e-3)

@@ -1,12 +1,21 @@
 """The response curve: amplitude, contact loss and largest mesh force over a parameter, stable and unstable."""
 
 from collections.abc import Sequence
+from textwrap import fill
 from typing import Any
 
 import numpy as np
 
 from seat_gear_dynamics.studies.harmonic_balance import Agreement, Branch, ResponseCurve
-from seat_gear_dynamics.views.figures.style import LINE_COLOURS, Axes, chosen, in_style, legend_columns, new_figure
+from seat_gear_dynamics.views.figures.style import (
+    LINE_COLOURS,
+    Axes,
+    chosen,
+    in_style,
+    is_narrow,
+    legend_columns,
+    new_figure,
+)
 
 PARAMETER_LABELS = {
     "frequency": ("mesh frequency Ω of s1_s2, dimensionless", 1.0),
@@ -35,13 +44,15 @@ def response_curve_figure(curve: ResponseCurve, agreements: Sequence[Agreement] 
     _draw_bifurcations(axes[0], curve, unit)
     _draw_agreements(axes[0], curve, agreements, unit)
     load = f" at {curve.system.operating_point.load:g} N·m" if curve.parameter != "load" else ""
-    axes[0].set_title(f"Periodic motions of s1_s2{load} by harmonic balance")
+    narrow = is_narrow(figure)
+    title = f"Periodic motions of s1_s2{load} by harmonic balance"
+    axes[0].set_title(fill(title, 40) if narrow else title)
     for ax, text in zip(axes, _PANELS.values(), strict=True):
         ax.set_ylabel(text)
         ax.set_ylim(bottom=0)
     axes[-1].set_xlabel(label)
     axes[-1].set_xlim(curve.low * unit, curve.high * unit)
-    _legend(axes[0])
+    _legend(axes[0], above=narrow)
     return figure, axes
 
 
@@ -123,9 +134,12 @@ def _draw_agreements(ax: Any, curve: ResponseCurve, agreements: Sequence[Agreeme
             )
 
 
-def _legend(ax: Any) -> None:
-    """Put each name once beside the axes."""
-    ax.legend(*_once(ax), loc="upper left", bbox_to_anchor=(1.01, 1.0), frameon=False, fontsize=8)
+def _legend(ax: Any, *, above: bool) -> None:
+    """Put each name once beside the axes, or above them all where there is no room beside."""
+    if above:
+        ax.figure.legend(*_once(ax), loc="outside upper center", ncols=2)
+    else:
+        ax.legend(*_once(ax), loc="upper left", bbox_to_anchor=(1.01, 1.0), fontsize=8)
 
 
 def _once(ax: Any) -> tuple[list[Any], list[str]]:

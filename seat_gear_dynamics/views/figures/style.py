@@ -116,6 +116,11 @@ def legend_columns(figure: Any, *, most: int = 6) -> int:
     return max(2, min(most, int(figure.get_size_inches()[0] / 1.2)))
 
 
+def is_narrow(figure: Any) -> bool:
+    """Return whether `figure` is about a column wide, where long titles are wrapped and legends stand above."""
+    return bool(figure.get_size_inches()[0] < 1.4 * COLUMN)
+
+
 def chosen(panel: str, panels: Mapping[str, Made]) -> Made:
     """Return what `panels` has under the name `panel`; raises ValueError, with the names, where it has nothing."""
     if panel not in panels:

@@ -1,13 +1,14 @@
 """How good the warning is: ROC curves, notice before ramps, delay to ERROR."""
 
 from collections.abc import Callable
+from textwrap import fill
 from typing import Any
 
 import numpy as np
 
 from seat_gear_dynamics.studies.warning_quality.assess import Assessment
 from seat_gear_dynamics.studies.warning_quality.score import LONGEST_NOTICE, Roc
-from seat_gear_dynamics.views.figures.style import LINE_COLOURS, Axes, chosen, in_style, new_figure
+from seat_gear_dynamics.views.figures.style import LINE_COLOURS, Axes, chosen, in_style, is_narrow, new_figure
 
 _NAMES = {
     "danger": "all evidence",
@@ -49,7 +50,8 @@ def plot_roc(axes: Axes, found: Roc) -> None:
 
 def draw_roc(axes: Axes, curves: dict[str, Roc], title: str) -> None:
     """Draw the curves with their areas; where there is none, say so."""
-    axes.set(xlabel="false positive rate", ylabel="true positive rate", title=title, xlim=(-0.01, 1), ylim=(0, 1.02))
+    axes.set(xlabel="false positive rate", ylabel="true positive rate", xlim=(-0.01, 1), ylim=(0, 1.02))
+    axes.set_title(fill(title, 36) if is_narrow(axes.figure) else title)
     if not curves:
         axes.text(0.5, 0.5, "the runs hold one class only", transform=axes.transAxes, ha="center")
         return

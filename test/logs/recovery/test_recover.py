@@ -345,6 +345,17 @@ def test_the_verification_finds_a_message_too_many_too_few_and_a_changed_one(sma
         verify(log, tally(rows), ros2=True)
 
 
+def test_each_stage_is_told_up_to_its_end(small_log: SmallLog) -> None:
+    log, told = small_log(max_duration_s=0.25), list[tuple[str, int, int]]()
+    harm(log / "log_0.mcap", inside(log / "log_0.mcap", 1))
+    found = recover(log, tell=lambda *given: told.append(given))
+    kept = sum(topic.kept for topic in found.topics.values())
+    stages = {stage: [given[1:] for given in told if given[0] == stage] for stage, _, _ in told}
+    assert list(stages) == ["searching, MiB", "writing, MiB", "reading back"]
+    assert all(given == sorted(given) for given in stages.values())
+    assert [given[-1] for given in stages.values()] == [(1, 1), (1, 1), (2 * kept, 2 * kept)]
+
+
 def test_a_link_is_recovered_beside_itself(
     small_log: SmallLog, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
