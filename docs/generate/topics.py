@@ -4,12 +4,13 @@ from docs.generate.markdown import block, code, plain, table
 from seat_gear_dynamics.logs.schemas import schema
 from seat_gear_dynamics.logs.topics import TOPICS, Topic
 
-_DIRECTIONS = {"in": "to the monitor", "out": "from the nodes"}
+_USUAL = ("volatile", 10)
+"""Durability and depth of a topic of which the table says nothing."""
 
 
 def reference() -> str:
     """Return the table of topics."""
-    return table(("topic", "direction", "type", "durability", "depth", "content"), (_row(each) for each in TOPICS))
+    return table(("topic", "type", "way", "content"), (_row(each) for each in TOPICS))
 
 
 def definitions() -> str:
@@ -18,16 +19,14 @@ def definitions() -> str:
 
 
 def _row(topic: Topic) -> tuple[str, ...]:
-    durability = topic.durability.replace("_", "-")
     kind = f"[{topic.type.replace('/msg/', '/')}](#{_anchor(topic.type)})"
-    return (
-        code(topic.name),
-        _DIRECTIONS[topic.direction],
-        kind,
-        durability,
-        str(topic.depth),
-        plain(topic.description),
-    )
+    return (code(topic.name), kind, topic.direction, plain(topic.description) + _kept(topic))
+
+
+def _kept(topic: Topic) -> str:
+    if (topic.durability, topic.depth) == _USUAL:
+        return ""
+    return f" ({topic.durability.replace('_', '-')}, depth {topic.depth})"
 
 
 def _anchor(name: str) -> str:

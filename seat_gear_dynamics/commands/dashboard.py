@@ -29,7 +29,12 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         "--host", default="127.0.0.1", metavar="ADDRESS", help="listen there (default: this machine only)"
     )
     parser.add_argument("--port", type=port, default=PORT, metavar="N", help=f"default {PORT}; 0: any free one")
-    parser.add_argument("--map", type=Path, metavar="F.npz", help="regime map that `seat-gear map` wrote")
+    parser.add_argument(
+        "--map",
+        type=Path,
+        metavar="F.npz",
+        help="regime map that `seat-gear map` wrote (default: packaged, where it is of this machine)",
+    )
     parser.add_argument(
         "--allow-control", action="store_true", help="let the page start, stop and snapshot the recorder"
     )

@@ -20,10 +20,11 @@ from rclpy.executors import ExternalShutdownException, SingleThreadedExecutor
 from rclpy.signals import SignalHandlerOptions
 
 from seat_gear_dynamics.commands.errors import CommandError
-from seat_gear_dynamics.gears import GearTrain, load_train
+from seat_gear_dynamics.gears import GearTrain, load_train, packaged_description
 from seat_gear_dynamics.nodes.dashboard_listener import DashboardListener
 from seat_gear_dynamics.nodes.dashboard_snapshot import Snapshot
 from seat_gear_dynamics.regimes.regime_map import MapError, RegimeMap
+from seat_gear_dynamics.sensing.bands import PACKAGED_MAP, MapBands
 from seat_gear_dynamics.views.dashboard.access import Access, AccessError, is_loopback
 from seat_gear_dynamics.views.dashboard.board import Board
 from seat_gear_dynamics.views.dashboard.scene import Scene
@@ -42,6 +43,7 @@ class Settings:
     port: int = 8642
     system: str | None = None
     map: Path | None = None
+    """A regime map, or `packaged`; None: the packaged one where it is of this machine."""
     control: bool = False
     token_file: Path | None = None
 
@@ -176,12 +178,25 @@ def _server_class() -> Any:
 
 def _scene(path: Path | None, train: GearTrain) -> Scene:
     if path is None:
-        return Scene(train)
+        try:
+            return _mapped_scene(_packaged_map(), train)
+        except (MapError, OSError):
+            return Scene(train)  # the packaged map is of the packaged machine alone
+    source = _packaged_map() if str(path) == "packaged" else path
     try:
-        with path.open("rb") as file:
-            return Scene(train, RegimeMap.load(file, train), map_name=path.name)
+        return _mapped_scene(source, train)
     except MapError as error:
-        raise CommandError(f"{path}: {error}") from error
+        raise CommandError(f"{source}: {error}") from error
+
+
+def _mapped_scene(path: Path, train: GearTrain) -> Scene:
+    with path.open("rb") as file:
+        found = RegimeMap.load(file, train)
+    return Scene(train, found, map_name=path.name, map_bands=MapBands(found, train))
+
+
+def _packaged_map() -> Path:
+    return packaged_description().with_name(PACKAGED_MAP)
 
 
 def _token(settings: Settings) -> str | None:

@@ -7,6 +7,7 @@ import shutil
 import subprocess
 import sys
 from collections.abc import Iterator
+from concurrent.futures import Future, ThreadPoolExecutor
 from pathlib import Path
 from typing import NamedTuple
 
@@ -40,7 +41,8 @@ NOT_RUN = {
     r"seat-gear (bench|dashboard|monitor|record|simulator)\b": "runs until it is told to end; the tutorial has one",
     r"seat-gear (reproduce|quality|calibrate)\b": "takes minutes",
     r"seat-gear map .*--samples": "takes a minute",
-    r"seat-gear analyze (LOG|bags/ramp)": "the tutorial and the README analyse other logs",
+    r"seat-gear analyze (LOG|bags/ramp)": "the tutorial analyses its own log, the guides others",
+    r"seat-gear analyze bags/third_party_bench": "the guide to own signals does, without the model's sweep",
     r"seat-gear (sweep|map) .*--scheduler": "needs other machines",
     r"seat-gear \w+ .*([/=]|--system )my_|seat-gear .*--map": "needs a file of the reader's own",
 }
@@ -97,9 +99,25 @@ def terminal() -> dict[str, str]:
     return {**os.environ, "PATH": paths, "MPLBACKEND": "agg"}
 
 
+@pytest.fixture(scope="session")
+def runs(
+    request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFactory
+) -> Iterator[dict[Path, Future[None]]]:
+    """Run the chosen pages, two at a time in their order: most of what they start uses one core, or waits."""
+    chosen = [item for item in request.session.items if "runs" in getattr(item, "fixturenames", ())]
+    pages = [Path(str(item.callspec.params["page"])) for item in chosen if isinstance(item, pytest.Function)]
+    with ThreadPoolExecutor(2) as pool:
+        yield {page: pool.submit(run_page, page, made(tmp_path_factory.mktemp(page.stem))) for page in pages}
+        pool.shutdown(wait=False, cancel_futures=True)
+
+
 @pytest.mark.parametrize("page", WITH_EXAMPLES, ids=name)
-def test_the_blocks_of_a_page_run_in_order(page: Path, tmp_path: Path) -> None:
-    place = made(tmp_path)
+def test_the_blocks_of_a_page_run_in_order(page: Path, runs: dict[Path, Future[None]]) -> None:
+    runs[page].result()
+
+
+def run_page(page: Path, place: Path) -> None:
+    """Run the blocks of a page in their order; raises AssertionError with what the first that fails said."""
     # A domain of its own, so that a bench of this page is not heard by another test's; 1 to 100 are safe port ranges.
     environment = {**terminal(), "ROS_DOMAIN_ID": str(1 + PAGES.index(page) % 100)}
     for block in runnable(page):
@@ -155,8 +173,13 @@ INDENTED = once(QUOTING)
 
 @pytest.mark.parametrize("page", INDENTED)
 def test_commands_that_stand_indented_run(page: str, tmp_path: Path) -> None:
-    for k, line in enumerate(INDENTED[page]):  # each for itself: they are alternatives
-        done = run(["bash", "-c", line], made(tmp_path / str(k)), terminal())
+    lines = INDENTED[page]
+    # Each for itself: they are alternatives. Two at a time, for most of them use one core.
+    with ThreadPoolExecutor(2) as pool:
+        every = list(
+            pool.map(lambda k: run(["bash", "-c", lines[k]], made(tmp_path / str(k)), terminal()), range(len(lines)))
+        )
+    for line, done in zip(lines, every, strict=True):
         # A replay ends with 1 where floating point differs from the build that recorded; it is no error.
         accepted = (0, 1) if " replay " in line else (0,)
         assert done.returncode in accepted, f"{line}\n{done.stdout}\n{done.stderr}"

@@ -34,6 +34,8 @@ def test_every_parameter_has_a_row_with_its_default_and_its_range() -> None:
 
 def test_every_topic_has_a_row_and_its_type_a_definition() -> None:
     assert [row[0] for row in rows(topics.reference())] == [f"`{each.name}`" for each in TOPICS]
+    latched = next(row for row in rows(topics.reference()) if row[0] == "`gear_monitor/in_forbidden_band`")
+    assert "(transient-local, depth 1)" in latched[-1]
     definitions = topics.definitions()
     for each in TOPICS:
         assert f"### `{each.type}`" in definitions

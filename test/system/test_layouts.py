@@ -87,6 +87,22 @@ def test_foxglove_places_every_panel_once_and_knows_its_kind(foxglove: Any) -> N
     assert {panel.partition("!")[0] for panel in placed} <= PANELS
 
 
+def test_foxglove_has_what_the_readers_refuse_to_do_without(foxglove: Any) -> None:
+    """What Lichtblick's `validateLayoutData` (packages/suite-base/src/util/layout.ts) asks of a file."""
+    assert isinstance(foxglove["configById"], dict)
+    assert isinstance(foxglove["globalVariables"], dict)
+    assert isinstance(foxglove["userNodes"], dict)
+    assert isinstance(foxglove["playbackConfig"]["speed"], (int, float))
+    assert isinstance(foxglove["layout"], str)
+
+
+def test_every_panel_has_its_title_in_both_programs(foxglove: Any) -> None:
+    """They differ in the key: Lichtblick does not read Foxglove's."""
+    for name, panel in foxglove["configById"].items():
+        if not name.startswith("Tab!"):
+            assert panel["foxglovePanelTitle"] == panel["lichtblickPanelTitle"] != "", name
+
+
 def test_every_path_in_foxglove_is_a_field_of_its_topic(foxglove: Any) -> None:
     paths = [path for panel in foxglove["configById"].values() for path in texts(panel)]
     assert paths

@@ -1,6 +1,7 @@
 """The moving picture: what was heard, kept for a while, and cut into frames for each page that looks on."""
 
 import json
+from collections.abc import Mapping
 from math import floor, inf, isfinite
 from typing import Any, NamedTuple
 
@@ -59,6 +60,7 @@ class Board:
         self.scene = scene
         self._epoch, self._tick = 0, 0
         self._now: dict[str, Any] = {}
+        self._calm = words.SteadyCalm()
         self._cached: dict[Cursor, tuple[str, Cursor]] = {}
         self._section_number = 0
         self._section: list[list[float]] = []
@@ -129,31 +131,44 @@ class Board:
         self._trail.extend([_rounded([elapsed, abs(heard.speed) / RPM, heard.load])])
 
     def _words(self, heard: Heard) -> dict[str, Any]:
-        said = words.warning_words(heard, self.scene.covered_rpm)
-        values = dict(heard.warning.values) if heard.warning else {}
+        values = self._calm.steady(dict(heard.warning.values) if heard.warning else {})
+        shown = self.scene.shown(heard.load, values)
+        said = words.warning_words(heard, shown.covered, shown.loads if shown.outside else "", values)
         fresh = heard.ages.get("warning", 1e9) <= words.WARNING_SILENT
-        entry, seconds = words.entry_words(values) if fresh else ("unknown", None)
+        judged = fresh and LEVEL_NAMES[said.level] != "STALE"
+        entry, seconds = words.entry_words(values) if judged else ("unknown", None)
+        known = fresh and shown.outside is None
         return {
             "speed": _optional(heard.speed, 1 / RPM),
             "load": _optional(heard.load),
-            "bands": self.scene.bands(heard.load),
-            "outside": self.scene.outside_the_map(heard.load),
+            "bands": shown.bands,
+            "bandsFrom": shown.source,
+            "covered": shown.covered,
+            "outside": shown.outside,
             "level": said.level,
             "levelName": LEVEL_NAMES[said.level],
             "headline": said.headline,
             "reason": said.reason,
             "advice": said.advice,
+            "caution": self._caution(said.level, heard.load, values) if fresh else None,
             "trip": bool(heard.in_band) and fresh,
             "entry": entry,
             "entrySeconds": seconds,
-            "otherBand": words.other_band(values, self.scene.bands(heard.load)) if fresh else None,
-            "calm": words.number(values, "nearest calm speed (r/min)") if fresh else None,
+            "calm": words.number(values, "nearest calm speed (r/min)") if known else None,
+            "calmWords": words.calm_words(values, said.level) if known else "unknown",
             "motion": words.motion_words(values) if fresh else "unknown",
             "values": [list(pair) for pair in heard.warning.values] if heard.warning else [],
             "recorder": words.recorder_picture(heard.recorder, heard.ages.get("recorder")),
             "health": [_health(status) for status in heard.health],
             "old": [name for name in ("speed", "load", "mesh", "section") if _is_old(heard, name)],
         }
+
+    def _caution(self, level: int, load: float | None, values: Mapping[str, str]) -> str | None:
+        """Return what the map says against the speed that is advised, or against the present one where it is clear."""
+        if LEVEL_NAMES[level] == "STALE":
+            return None
+        key = "speed (r/min)" if LEVEL_NAMES[level] == "OK" else "nearest calm speed (r/min)"
+        return self.scene.caution(words.number(values, key), load, values)
 
 
 def _is_old(heard: Heard, name: str) -> bool:

@@ -79,6 +79,7 @@ class Conversation:
     async def _send_frames(self) -> None:
         cursor = Cursor()
         while True:
+            self.due.clear()  # before the frame is made: a tick that comes while it is sent is one more
             text, cursor = self._board.frame(cursor)
             try:
                 # Not wait_for: Python 3.11's can lose a cancellation, and this would then go on for ever.
@@ -88,7 +89,6 @@ class Conversation:
                 self.abort()
                 return
             await self.due.wait()
-            self.due.clear()
 
     async def _hear(self, role: Role) -> None:
         async for message in self.socket:

@@ -13,6 +13,7 @@ _KINDS = {
 _NAMES = (
     "index.html",
     "style.css",
+    "dark.css",
     "panels.css",
     "icon.svg",
     "main.js",

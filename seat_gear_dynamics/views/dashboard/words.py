@@ -1,7 +1,6 @@
 """The warning and the recorder in words: what is the matter, why, and what to do."""
 
-import re
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import dataclass
 from math import isfinite
 from pathlib import PurePosixPath
@@ -15,8 +14,33 @@ WARNING_SILENT, RECORDER_SILENT, DATA_SILENT = 2.5, 3.5, 1.0
 """s without a word after which what is shown counts as old: above two periods of the slowest allowed rate."""
 _SOON = 10.0  # s; a band farther ahead is not announced: the acceleration it follows from is mostly noise
 _NEAR = 60.0  # r/min; where a WARN says no more, so close is near a band
-_BAND = re.compile(r"([0-9.]+)\s*[-–]\s*([0-9.]+)")
-_STALE = LEVEL_NAMES.index("STALE")
+_HERE = 20.0  # r/min; between a speed as measured and as fitted, half the least margin that is of use
+_CALM = "nearest calm speed (r/min)"
+_OK, _STALE = LEVEL_NAMES.index("OK"), LEVEL_NAMES.index("STALE")
+
+
+class SteadyCalm:
+    """Keeps the nearest calm speed from swinging: in the middle of a band noise decides which side is nearer.
+
+    What was said first stays while the band is the same and the speed on its other side is hardly nearer.
+    """
+
+    def __init__(self) -> None:
+        self._said: tuple[str, float] | None = None
+
+    def steady(self, values: Mapping[str, str]) -> Mapping[str, str]:
+        """Return a warning's values with the calm speed that is to be shown."""
+        calm, speed = number(values, _CALM), number(values, "speed (r/min)")
+        band = values.get("band (r/min)", "")
+        if calm is None or speed is None:
+            self._said = None
+            return values
+        if self._said is not None and self._said[0] == band:
+            there, here = self._said[1] - speed, calm - speed
+            if there * here < 0 and abs(there) - abs(here) < _HERE:
+                return {**values, _CALM: f"{self._said[1]:.0f}"}
+        self._said = (band, calm)
+        return values
 
 
 @dataclass(frozen=True)
@@ -29,8 +53,12 @@ class Words:
     advice: str
 
 
-def warning_words(heard: Heard, covered_rpm: float) -> Words:
-    """Return headline, reason and advice; a monitor that fell silent is STALE whatever it said last."""
+def warning_words(heard: Heard, covered_rpm: float, loads: str = "", values: Mapping[str, str] | None = None) -> Words:
+    """Return headline, reason and advice; a monitor that fell silent is STALE whatever it said last.
+
+    `covered_rpm` ends what is known; `loads` says in words where, if nothing is known of the present load;
+    `values` stand for the warning's own where they are given.
+    """
     age, status = heard.ages.get("warning"), heard.warning
     if status is None or age is None:
         advice = "Start it (seat-gear monitor), on the same ROS_DOMAIN_ID as this dashboard."
@@ -39,29 +67,30 @@ def warning_words(heard: Heard, covered_rpm: float) -> Words:
         advice = "Do not rely on what is shown. Look whether the monitor runs, then restart it (seat-gear monitor)."
         return Words(_STALE, "The monitor is silent", f"Its last word is {age:.0f} s old.", advice)
     level = status.level if 0 <= status.level < len(LEVEL_NAMES) else _STALE
-    values = dict(status.values)
-    headline, advice = _judged(level, values, heard, covered_rpm)
+    values = dict(status.values) if values is None else values
+    headline, advice = _judged(level, values, heard, covered_rpm, loads)
     return Words(level, headline, status.message, advice)
 
 
-def _judged(level: int, values: Mapping[str, str], heard: Heard, covered_rpm: float) -> tuple[str, str]:
+def _judged(level: int, values: Mapping[str, str], heard: Heard, covered_rpm: float, loads: str) -> tuple[str, str]:
     name = LEVEL_NAMES[level]
     if name == "OK":
         return "Clear", "Nothing to do."
     if name == "STALE":
-        return "No verdict", _missing(values, heard, covered_rpm)
+        return "No verdict", _missing(values, heard, covered_rpm, loads)
     calm = _to_calm(values)
     if name == "ERROR":
         inside = bool(heard.in_band) or _inside(values)
         otherwise = "No calm speed is known at this load: stop the drive."
         return "Inside a forbidden band" if inside else "The drive rattles", f"{calm}." if calm else otherwise
     ahead, distance = number(values, "time to band (s)"), number(values, "distance to band (r/min)")
-    hold = f"Hold the speed, or {calm[0].lower()}{calm[1:]}." if calm else "Hold the speed."
+    elsewhere = calm and not _is_here(values)
+    hold = f"Hold the speed, or {calm[0].lower()}{calm[1:]}." if elsewhere else "Hold the speed."
     if ahead is not None and ahead <= _SOON:
         return "A forbidden band is ahead", hold
     if distance is not None and distance <= _NEAR:
         return "Close to a forbidden band", f"{calm}." if calm else "Go no closer."
-    return "Signs of rattle", hold
+    return "Signs of rattle", hold if elsewhere else "Watch it, and leave this speed if the level becomes ERROR."
 
 
 def _inside(values: Mapping[str, str]) -> bool:
@@ -71,7 +100,7 @@ def _inside(values: Mapping[str, str]) -> bool:
 
 def _to_calm(values: Mapping[str, str]) -> str:
     """Return the way to the nearest calm speed in words without a full stop; empty where it is not known."""
-    calm, speed = number(values, "nearest calm speed (r/min)"), number(values, "speed (r/min)")
+    calm, speed = number(values, _CALM), number(values, "speed (r/min)")
     if calm is None:
         return ""
     if speed is None:
@@ -80,13 +109,15 @@ def _to_calm(values: Mapping[str, str]) -> str:
     return f"{verb} to {abs(calm):.0f} r/min, the nearest calm speed"
 
 
-def _missing(values: Mapping[str, str], heard: Heard, covered_rpm: float) -> str:
+def _missing(values: Mapping[str, str], heard: Heard, covered_rpm: float, loads: str) -> str:
     speed = number(values, "speed (r/min)")
     for name, topic in (("speed", topics.MOTOR_SPEED.name), ("load", topics.LOAD_TORQUE.name)):
         if heard.ages.get(name, DATA_SILENT + 1) > DATA_SILENT:
             return f"Look at the {name} signal: does the bench publish {topic}?"
     if speed is not None and abs(speed) > covered_rpm:
         return f"Nothing is known at this speed: go below {covered_rpm:.0f} r/min."
+    if loads:
+        return f"Nothing is known at this load: keep it from {loads}."
     return "Rely on no verdict until the level changes; the reason is beside."
 
 
@@ -100,15 +131,18 @@ def entry_words(values: Mapping[str, str]) -> tuple[str, float | None]:
     return f"in {ahead:.1f} s", ahead
 
 
-def other_band(values: Mapping[str, str], bands: Sequence[Sequence[float]]) -> str | None:
-    """Return in words the band that the monitor goes by, where it is none of those shown (r/min, with their errors)."""
-    found = _BAND.fullmatch(values.get("band (r/min)", ""))
-    if found is None:
-        return None
-    low, high = float(found[1]), float(found[2])
-    if any(abs(low - b[0]) <= b[2] + 1 and abs(high - b[1]) <= b[3] + 1 for b in bands):
-        return None
-    return f"The monitor goes by other bands than those shown; nearest of its own: {low:.0f} to {high:.0f} r/min."
+def calm_words(values: Mapping[str, str], level: int) -> str:
+    """Return the nearest calm speed in words; where the drive is clear it is the present one."""
+    calm = number(values, _CALM)
+    if calm is None:
+        return "unknown"
+    return "this one" if level == _OK and _is_here(values) else f"{abs(calm):.0f} r/min"
+
+
+def _is_here(values: Mapping[str, str]) -> bool:
+    """Return whether the nearest calm speed is the present one."""
+    calm, speed = number(values, _CALM), number(values, "speed (r/min)")
+    return calm is not None and speed is not None and abs(calm - speed) < _HERE
 
 
 def motion_words(values: Mapping[str, str]) -> str:

@@ -10,10 +10,8 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from seat_gear_dynamics.gears import GearTrain
-from seat_gear_dynamics.regimes.regime_map import RegimeMap
 from seat_gear_dynamics.views.dashboard.board import Board, Cursor
-from seat_gear_dynamics.views.dashboard.scene import Scene
+from seat_gear_dynamics.views.dashboard.scene import Scene, Shown
 from seat_gear_dynamics.views.dashboard.series import Series, Trend
 
 START = 1_700_000_000.0
@@ -102,7 +100,8 @@ def test_times_increase_within_an_epoch_whatever_the_stamps(times: list[float]) 
     from types import SimpleNamespace
 
     board = Board.__new__(Board)
-    Board.__init__(board, SimpleNamespace(bands=lambda load: [], covered_rpm=2000.0, outside_the_map=lambda load: None))  # type: ignore[arg-type]
+    scene = SimpleNamespace(shown=lambda load, said: Shown([], "none", 2000.0), caution=lambda *given: None)
+    Board.__init__(board, scene)  # type: ignore[arg-type]
     heard = SimpleNamespace(
         speed=None, load=None, section=None, warning=None, in_band=None, recorder=None, health=(), ages={}
     )
@@ -164,36 +163,3 @@ def test_the_operating_point_leaves_a_trail_while_it_is_heard(bench: Any, scene:
     board.update(bench.now, 0.9)
     trail = read(board, Cursor())[0]["trail"]
     assert [row[1] for row in trail] == pytest.approx([0, 200, 400, 600])
-
-
-@pytest.fixture
-def found(train: GearTrain) -> RegimeMap:
-    """A map that needs no computing: chaos from 1000 to 1200 r/min at 300 N·m, from 1400 to 1600 at 500."""
-    from seat_gear_dynamics.motion import System
-
-    rpm = np.arange(800.0, 2001.0, 200.0)
-    made = RegimeMap.compute(System(train), rpm * np.pi / 30, [300.0, 500.0], transient=2, periods=4)
-    chaos = np.zeros((2, len(rpm)))
-    chaos[0, 1:3] = chaos[1, 3:5] = 1.0
-    return made.with_chaos(chaos, 0)
-
-
-def test_bands_follow_the_load_on_a_map_and_end_with_it(train: GearTrain, found: RegimeMap) -> None:
-    scene = Scene(train, found, map_name="m.npz")
-    # An edge lies halfway between a calm and a chaotic node, uncertain by half a step.
-    assert scene.bands(300.0) == [[900.0, 1300.0, 100.0, 100.0]]
-    assert scene.bands(500.2) == [] or scene.bands(500.2)[0][0] == 1300.0
-    assert scene.bands(500.0) == [[1300.0, 1700.0, 100.0, 100.0]]
-    assert scene.bands(900.0) == scene.bands(None) == []
-    assert "900 N·m is outside the map" in str(scene.outside_the_map(900.0))
-    assert scene.outside_the_map(400.0) is None
-    picture = scene.description()["map"]
-    assert len(picture["codes"]) == len(picture["loads"]) == 2
-    assert "m.npz" in scene.bands_from
-
-
-def test_without_a_map_the_published_bands_hold_at_every_load(train: GearTrain) -> None:
-    scene = Scene(train)
-    assert [band[:2] for band in scene.bands(None)] == [pytest.approx([1349, 1359]), pytest.approx([1589, 2060])]
-    assert "published at 600 N·m" in scene.bands_from
-    assert scene.description()["map"] is None

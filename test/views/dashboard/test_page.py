@@ -392,20 +392,36 @@ def test_the_colours_are_those_of_every_view() -> None:
     from seat_gear_dynamics.views.figures.style import REGIME_COLOURS
 
     style = read_page()["/style.css"].body.decode()
+    dark = read_page()["/dark.css"].body.decode()
     wanted = {f"level-{i}": colour for i, colour in enumerate(LEVEL_COLOURS)}
     wanted |= {f"mesh-{i}": colour for i, colour in enumerate(MESH_COLOURS)}
     wanted |= {f"regime-{name}": colour for name, colour in REGIME_COLOURS.items()}
     for name, colour in (wanted | {"band": BAND}).items():
         assert f"--{name}: {colour};" in style, name
+    for name in {*wanted, "band"} - {"mesh-0"}:  # whose blue is too dark on a dark ground
+        assert f"--{name}:" not in dark, name
 
 
-def test_both_ways_to_the_dark_theme_are_one() -> None:
-    from seat_gear_dynamics.views.dashboard.page import read_page
-
-    style = read_page()["/style.css"].body.decode()
-    blocks = [part.split("}")[0] for part in style.split("color-scheme: dark;")[1:]]
-    first, second = ([line.strip() for line in block.splitlines() if line.strip()] for block in blocks)
-    assert first == second
+def test_the_persons_wish_and_the_systems_give_the_same_dark_theme(shown: Any) -> None:
+    colours = (
+        "['ground', 'panel', 'ink', 'mesh-0', 'trail-rim'].map("
+        "(name) => getComputedStyle(document.documentElement).getPropertyValue(`--${name}`).trim())"
+    )
+    found = {}
+    for system in (False, True):
+        shown.dark(system)
+        for chosen in ("auto", "light", "dark"):
+            shown.wait_text("#theme", chosen)
+            found[system, chosen] = shown.value(colours)
+            assert shown.value("getComputedStyle(document.documentElement).colorScheme") == (
+                "dark" if chosen == "dark" or (system and chosen == "auto") else "light"
+            )
+            shown.click("#theme")
+    light, dark = found[False, "auto"], found[True, "auto"]
+    assert light != dark
+    assert found[False, "light"] == found[True, "light"] == light
+    assert found[False, "dark"] == found[True, "dark"] == dark
+    shown.value("localStorage.clear()")
 
 
 def test_pictures_in_the_docs_are_small() -> None:
@@ -421,14 +437,16 @@ def test_a_map_is_drawn_under_the_point_with_its_regimes_named(
 ) -> None:
     from seat_gear_dynamics.motion import System
     from seat_gear_dynamics.regimes.regime_map import RegimeMap
+    from seat_gear_dynamics.sensing import MapBands
     from seat_gear_dynamics.views.dashboard.scene import Scene
 
     rpm = np.arange(800.0, 2001.0, 200.0)
     found = RegimeMap.compute(System(train), rpm * np.pi / 30, [300.0, 700.0], transient=20, periods=40)
     bench.run(1800, load=500.0)
-    bench.warn(0, "clear", distance="300")
     page.size(1440, 900)
-    page.open(serve(scene=Scene(train, found, map_name="mine.npz")).url)
+    bands = MapBands(found, train)
+    bench.warn(0, "clear", distance="300", bands=bands.label)
+    page.open(serve(scene=Scene(train, found, map_name="mine.npz", map_bands=bands)).url)
     page.wait_text("#map-note", "mine.npz")
     names = set(page.value("[...document.querySelectorAll('#map-legend .key')].map((e) => e.textContent)"))
     present = {("periodic", "quasi-periodic", "chaotic", "undecided")[code] for code in np.unique(found.codes)}
@@ -437,4 +455,33 @@ def test_a_map_is_drawn_under_the_point_with_its_regimes_named(
     bench.run(1800, load=900.0)
     page.wait("document.querySelector('#map').ariaLabel.includes('outside the map')", "the end of the map in words")
     assert json.loads(page.value("JSON.stringify([...document.querySelectorAll('#dial .band')])")) == []
+    assert page.console == []
+
+
+def test_where_the_map_forbids_what_the_monitor_advises_the_page_says_so(
+    serve: Callable[..., Any], bench: Any, page: Any, train: Any
+) -> None:
+    from seat_gear_dynamics.motion import System
+    from seat_gear_dynamics.regimes.regime_map import RegimeMap
+    from seat_gear_dynamics.sensing import MapBands
+    from seat_gear_dynamics.views.dashboard.scene import Scene
+
+    rpm = np.arange(800.0, 2001.0, 200.0)
+    made = RegimeMap.compute(System(train), rpm * np.pi / 30, [300.0, 700.0], transient=2, periods=4)
+    found = made.with_chaos(np.ones((2, len(rpm))), 24)
+    bands = MapBands(found, train)
+    bench.run(1800, load=500.0)
+    bench.warn(2, "inside", in_band=True, bands="published")
+    page.size(1440, 900)
+    page.open(serve(scene=Scene(train, found, map_name="mine.npz", map_bands=bands)).url)
+    page.wait_text("#caution", "By the map shown, 1549 r/min is forbidden")
+    assert page.text("#advice") == "Slow down to 1549 r/min, the nearest calm speed."
+    assert page.value(CONTRAST) == []
+    page.wait("document.querySelectorAll('#dial .band').length === 2", "the published bands, which the monitor goes by")
+    bench.warn(2, "inside", in_band=True, bands=bands.label)
+    page.wait("document.querySelector('#caution').hidden", "no caution where the monitor goes by the map")
+    page.wait("document.querySelectorAll('#dial .band').length === 1", "the map's band")
+    bench.warn(2, "inside", in_band=True, bands="map <b>0123</b>", band="1700-1900")
+    page.wait_text("#map-note", "(map <b>0123</b>), which this page was not given")
+    page.wait("document.querySelector('#dial').ariaLabel.includes('1700 to 1900')", "the one band that is known")
     assert page.console == []

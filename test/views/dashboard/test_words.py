@@ -5,9 +5,10 @@ from typing import Any
 import pytest
 
 from seat_gear_dynamics.views.dashboard.words import (
+    SteadyCalm,
+    calm_words,
     entry_words,
     motion_words,
-    other_band,
     recorder_picture,
     warning_words,
 )
@@ -82,6 +83,21 @@ def test_a_warn_says_what_builds_up(bench: Any, time: str, distance: str, headli
     assert said(bench) == (1, headline, advice)
 
 
+@pytest.mark.parametrize(
+    ("time", "distance", "advice"),
+    [
+        ("0.8", "120", "Hold the speed."),
+        ("unknown", "400", "Watch it, and leave this speed if the level becomes ERROR."),
+        ("unknown", "30", "Speed up to 1560 r/min, the nearest calm speed."),
+    ],
+)
+def test_nobody_is_sent_to_the_speed_that_he_has(bench: Any, time: str, distance: str, advice: str) -> None:
+    """The alarm names the present speed as calm where only its course, or its motion, warns."""
+    bench.run(1550)
+    bench.warn(1, "why", time=time, distance=distance, speed="1550", nearest="1560")
+    assert said(bench)[2] == advice
+
+
 def test_a_warn_without_a_calm_speed_still_says_what_to_do(bench: Any) -> None:
     bench.run(1560)
     bench.warn(1, "why", time="unknown", distance="30", nearest="unknown")
@@ -101,6 +117,8 @@ def test_stale_names_the_signal_that_is_missing(bench: Any) -> None:
     assert said(bench)[2] == "Nothing is known at this speed: go below 2102 r/min."
     bench.warn(3, "outside the map", speed="1000")
     assert said(bench)[2] == "Rely on no verdict until the level changes; the reason is beside."
+    advice = warning_words(bench.now, COVERED, "50 to 700 N·m").advice
+    assert advice == "Nothing is known at this load: keep it from 50 to 700 N·m."
 
 
 def test_a_monitor_that_fell_silent_is_stale_whatever_it_said(bench: Any) -> None:
@@ -139,13 +157,36 @@ def test_motion() -> None:
     assert motion_words({}) == "undecided"
 
 
-def test_a_band_of_the_monitor_that_is_not_shown_is_named() -> None:
-    shown = [[1349.0, 1359.0, 0.0, 0.0], [1598.0, 2060.0, 12.0, 8.0]]
-    assert other_band({"band (r/min)": "1349-1359"}, shown) is None
-    assert other_band({"band (r/min)": "1589-2060"}, shown) is None, "within the uncertainty of the band shown"
-    assert "1200 to 1300" in str(other_band({"band (r/min)": "1200-1300"}, shown))
-    assert other_band({"band (r/min)": "unknown"}, shown) is None
-    assert other_band({}, []) is None
+@pytest.mark.parametrize(
+    ("level", "calm", "found"),
+    [
+        (0, "1805", "this one"),
+        (0, "1700", "1700 r/min"),
+        (1, "1805", "1805 r/min"),
+        (2, "-1549", "1549 r/min"),
+        (3, "unknown", "unknown"),
+    ],
+)
+def test_the_nearest_calm_speed_is_the_present_one_where_the_drive_is_clear(level: int, calm: str, found: str) -> None:
+    # 5 r/min apart is noise of a measured speed; the alarm's margin, which parts two speeds in earnest, is 40.
+    assert calm_words({"speed (r/min)": "1800", "nearest calm speed (r/min)": calm}, level) == found
+
+
+def test_in_the_middle_of_a_band_the_advice_does_not_swing_with_the_noise() -> None:
+    """1309 and 1399 r/min are the calm speeds about the published band 1349-1359, each the margin of 40 away."""
+    calm = SteadyCalm()
+
+    def shown(speed: float, nearest: float, band: str = "1349-1359") -> str:
+        values = {"speed (r/min)": f"{speed}", "nearest calm speed (r/min)": f"{nearest}", "band (r/min)": band}
+        return calm.steady(values)["nearest calm speed (r/min)"]
+
+    assert [shown(1353, 1309), shown(1355, 1399), shown(1353, 1309)] == ["1309", "1309", "1309"]
+    assert shown(1365, 1399) == "1399", "56 and 34 r/min away: nearer in earnest"
+    assert shown(1353, 1309) == "1399"
+    assert shown(1353, 1309, band="1340-1366") == "1309", "another band, of another load: a new word"
+    assert calm.steady({}) == {}
+    assert shown(1355, 1399) == "1399", "nothing is kept over a silence"
+    assert shown(1360, 1405) == "1405", "on the same side the monitor's word is taken as it is"
 
 
 @pytest.mark.parametrize(

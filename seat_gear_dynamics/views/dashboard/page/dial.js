@@ -39,7 +39,7 @@ export function startDial(scene) {
   const svg = byId("dial");
   svg.replaceChildren();
   add(svg, "path", { d: arc(-SWEEP / 2, SWEEP / 2), class: "track" });
-  if (scene.coveredRpm < scale) add(svg, "path", { d: arc(angle(scene.coveredRpm), SWEEP / 2), class: "unknown" });
+  const unknown = add(svg, "path", { class: "unknown" });
   const bands = add(svg, "g", {});
   for (let rpm = 0; rpm <= scale + 1; rpm += 100) {
     const main = rpm % 500 === 0;
@@ -58,12 +58,13 @@ export function startDial(scene) {
   const value = add(svg, "text", { x: 0, y: 2, class: "value" }, "–");
   const unit = add(svg, "text", { x: 0, y: 52, class: "unit" }, "r/min");
   const direction = add(svg, "text", { x: 0, y: 84, class: "direction" }, "");
-  parts = { svg, bands, calm, needle, value, unit, direction };
+  parts = { svg, unknown, bands, calm, needle, value, unit, direction };
 }
 
 export function showDial(now) {
   if (!parts) return;
   showBands(now.bands);
+  showUnknown(now.outside === null ? now.covered : 0);
   const known = now.speed !== null;
   const size = known ? Math.abs(now.speed) : 0;
   parts.svg.dataset.level = now.level;
@@ -78,15 +79,18 @@ export function showDial(now) {
   describe(parts.svg, `Speed ${number(now.speed)} r/min. Forbidden bands: ${bands || "none known"} r/min.`);
 }
 
+/** Mark the speeds of which nothing is known: those from `rpm` on. */
+function showUnknown(rpm) {
+  const d = rpm < scale ? arc(angle(rpm), SWEEP / 2) : "";
+  if (parts.unknown.getAttribute("d") !== d) parts.unknown.setAttribute("d", d);
+}
+
 function showBands(bands) {
   const key = JSON.stringify(bands);
   if (key === drawn) return;
   drawn = key;
   parts.bands.replaceChildren();
-  for (const [low, high, lowError, highError] of bands) {
-    if (lowError || highError) {
-      add(parts.bands, "path", { d: arc(angle(low - lowError), angle(high + highError)), class: "doubt" });
-    }
+  for (const [low, high] of bands) {
     const room = Math.max(LEAST - (angle(high) - angle(low)), 0) / 2;
     const d = arc(Math.max(angle(low) - room, -SWEEP / 2), Math.min(angle(high) + room, SWEEP / 2));
     add(parts.bands, "path", { d, class: "band" });

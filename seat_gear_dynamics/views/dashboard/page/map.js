@@ -10,6 +10,7 @@ let plane = null;
 let scene = null;
 let trail = [];
 let still = null;
+let regimes = "";
 
 export function startMap(given, fresh) {
   scene = given;
@@ -21,7 +22,9 @@ export function startMap(given, fresh) {
   plane.range = map
     ? [edges(map.speeds).at(0), edges(map.speeds).at(-1), edges(map.loads).at(0), edges(map.loads).at(-1)]
     : [0, scene.scaleRpm, 0, 800];
-  setText(byId("map-note"), map ? `Bands: ${scene.bandsFrom}.` : `Bands ${scene.bandsFrom}. Give --map FILE for the regimes.`);
+  regimes = map
+    ? `Regimes: map ${map.name}.`
+    : "No regime map of this machine: compute one with seat-gear map, and start the dashboard with --map FILE.";
   byId("map").closest(".panel").dataset.plain = String(!map);
   showLegend(map);
 }
@@ -49,16 +52,7 @@ function showLegend(map) {
 
 function drawStill(c) {
   const { map } = scene;
-  const { y, height } = plane.inner;
-  if (!map) {
-    c.save();
-    for (const [low, high] of scene.published) {
-      const left = plane.x(low);
-      hatch(c, left, y, Math.max(plane.x(high) - left, 3), height, "band");
-    }
-    c.restore();
-    return;
-  }
+  if (!map) return;
   const xs = edges(map.speeds).map((v) => plane.x(v));
   const ys = edges(map.loads).map((v) => plane.y(v));
   c.globalAlpha = Number(colour("map-strength"));
@@ -84,6 +78,7 @@ export function clearTrail() {
 }
 
 export function showMap(now) {
+  setText(byId("map-note"), `Forbidden bands: ${now.bandsFrom}. ${regimes}`);
   if (!plane || !plane.width) plane?.fit();
   if (!plane?.width) return;
   if (!still) {
@@ -99,7 +94,8 @@ export function showMap(now) {
   c.drawImage(still, 0, 0);
   c.setTransform(plane.ratio, 0, 0, plane.ratio, 0, 0);
   plane.clipped(() => {
-    if (scene.map && now.load !== null) drawBands(c, now);
+    if (!scene.map) drawColumns(c, now);
+    else if (now.load !== null) drawBands(c, now);
     drawTrail(c);
     if (now.speed !== null && now.load !== null) drawPoint(c, now);
   });
@@ -124,6 +120,15 @@ function drawTrail(c) {
     }
   }
   c.globalAlpha = 1;
+}
+
+/** Without a map: the forbidden bands over every load. */
+function drawColumns(c, now) {
+  const { y, height } = plane.inner;
+  for (const [low, high] of now.bands) {
+    const left = plane.x(low);
+    hatch(c, left, y, Math.max(plane.x(high) - left, 3), height, "band");
+  }
 }
 
 /** The forbidden bands of the present load, at its height. */

@@ -23,9 +23,11 @@ function keep(name) {
 
 export function startTheme(changed) {
   const button = byId("theme");
+  const dark = byId("dark");
+  const system = dark.media;
   let name = NAMES.includes(kept()) ? kept() : "auto";
   const show = () => {
-    document.documentElement.dataset.theme = name;
+    dark.media = { auto: system, light: "not all", dark: "all" }[name];
     button.textContent = `Theme: ${name}`;
     forgetColours();
     changed();
@@ -35,6 +37,7 @@ export function startTheme(changed) {
     keep(name);
     show();
   });
-  matchMedia("(prefers-color-scheme: dark)").addEventListener("change", show);
+  matchMedia(system).addEventListener("change", show);
+  dark.addEventListener("load", show);
   show();
 }

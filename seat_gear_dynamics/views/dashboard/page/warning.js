@@ -14,12 +14,11 @@ export function showWarning(now) {
   setText(byId("headline"), now.headline);
   setText(byId("reason"), now.reason);
   setText(byId("advice"), now.advice);
+  showCaution(now.caution);
   byId("trip").hidden = !now.trip;
   setText(byId("entry"), now.entry);
   byId("entry-key").dataset.soon = String(now.entrySeconds !== null && now.entrySeconds <= 2);
-  setText(byId("calm"), calmWords(now));
-  byId("other-band").hidden = now.otherBand === null;
-  setText(byId("other-band"), now.otherBand ?? "");
+  setText(byId("calm"), now.calmWords);
   setText(byId("motion"), now.motion);
   showFacts(byId("values"), now.values);
   showHealth(now.health);
@@ -39,15 +38,15 @@ export function showLost(at) {
   setText(byId("headline"), "No verdict");
   setText(byId("reason"), `Last heard at ${at}: ${last}`);
   setText(byId("advice"), "Do not rely on what is shown.");
+  showCaution(null);
   byId("trip").hidden = true;
   document.title = "No connection · Seat gear bench";
   told = "";
 }
 
-function calmWords(now) {
-  if (now.calm === null) return "–";
-  const here = now.speed !== null && Math.abs(Math.abs(now.calm) - Math.abs(now.speed)) < 5 && now.level === 0;
-  return here ? "this one" : `${number(Math.abs(now.calm))} r/min`;
+function showCaution(text) {
+  byId("caution").hidden = text === null;
+  setText(byId("caution"), text ?? "");
 }
 
 /** Read aloud what is new: a number that moves in the reason is not. */
