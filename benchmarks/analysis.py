@@ -45,7 +45,7 @@ from seat_gear_dynamics.gears.units import RPM
 from seat_gear_dynamics.logs import topics
 from seat_gear_dynamics.logs.writer import BagWriter
 from seat_gear_dynamics.nodes import messages
-from seat_gear_dynamics.sensing import Session
+from seat_gear_dynamics.sensing import BandSource, Session
 
 BEGIN_NS = 1_790_000_000_000_000_000
 STEP_NS = 20_000_000  # 50 Hz: samples and forces
@@ -65,10 +65,18 @@ class Written(NamedTuple):
     moved: str
 
 
-def round_of(train: GearTrain, played: Profile, *, seed: int = 0, seconds: float | None = None) -> Iterator[Written]:
-    """Yield what the bench and the monitor publish in one round of a profile, or in its first `seconds`."""
+def round_of(
+    train: GearTrain,
+    played: Profile,
+    *,
+    seed: int = 0,
+    seconds: float | None = None,
+    bands: BandSource | None = None,
+) -> Iterator[Written]:
+    """Yield what the bench and the monitor, on these bands, publish in a round of a profile or its first `seconds`."""
     bench = SimulatedBench(played, sample_time=STEP_NS * 1e-9, seed=seed)
-    session = Session(train)
+    session = Session(train, bands=bands)
+    label = session.alarm.source.label
     for step in range(1, 1 + int((seconds or played.duration) * 1e9) // STEP_NS):
         sample = bench.step()
         now = BEGIN_NS + step * STEP_NS
@@ -85,7 +93,7 @@ def round_of(train: GearTrain, played: Profile, *, seed: int = 0, seconds: float
         yield written(topics.JOINT_STATES, joint, offset, "stamp")
         change = session.feed((now - FIRST_NS) * 1e-9, sample.speed, sample.load)
         if change.changed or step % EVERY_WARNING == 0:
-            text = messages.chaos_warning("gear_monitor: chaos warning", change.verdict, change.reading)
+            text = messages.chaos_warning("gear_monitor: chaos warning", change.verdict, change.reading, label)
             yield written(topics.IN_FORBIDDEN_BAND, Bool(data=change.verdict.in_band), offset, "")
             yield written(topics.CHAOS_WARNING, text, offset, "")
         yield written(topics.MODEL_INPUT, messages.model_input(now, sample.speed, sample.load), offset, "stamp")
@@ -96,7 +104,7 @@ def round_of(train: GearTrain, played: Profile, *, seed: int = 0, seconds: float
         if step % EVERY_WARNING == 0:
             yield written(topics.POINCARE, messages.poincare(now, session.section, FIRST_NS), offset, "cloud")
         if step % EVERY_DIAGNOSTICS == 0:
-            status = messages.chaos_warning("gear_monitor: warning", change.verdict, change.reading)
+            status = messages.chaos_warning("gear_monitor: warning", change.verdict, change.reading, label)
             array = DiagnosticArray(header=Header(stamp=messages.stamp(now)), status=[status])
             yield written(topics.DIAGNOSTICS, array, offset, "stamp")
 
@@ -131,11 +139,17 @@ def _width(data: bytearray) -> int:
 
 
 def write_log(
-    directory: Path, seconds: float, *, played: str = "up-down", seed: int = 0, sync_interval: float = 1.0
+    directory: Path,
+    seconds: float,
+    *,
+    played: str = "up-down",
+    seed: int = 0,
+    sync_interval: float = 1.0,
+    bands: BandSource | None = None,
 ) -> int:
     """Write a log of `seconds` to `directory` and return its number of messages."""
     train, chosen = load_train(), profile(played)
-    one = list(round_of(train, chosen, seed=seed, seconds=min(seconds, chosen.duration)))
+    one = list(round_of(train, chosen, seed=seed, seconds=min(seconds, chosen.duration), bands=bands))
     length = 1 + one[-1].offset_ns // STEP_NS * STEP_NS
     count = 0
     with BagWriter(

@@ -12,7 +12,7 @@ if TYPE_CHECKING:
     from seat_gear_dynamics.commands.progress import Tell
     from seat_gear_dynamics.gears import GearTrain
     from seat_gear_dynamics.logs.analysis import Analysis
-    from seat_gear_dynamics.regimes import RegimeMap
+    from seat_gear_dynamics.sensing import BandSource
 
 TEXTS = {
     "analyze": Texts(
@@ -31,7 +31,12 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--joint", metavar="NAME", help="joint of a JointState topic (default: its first)")
     parser.add_argument("--speed-unit", default="rad/s", metavar="U", help="rad/s, r/min, Hz or deg/s (default rad/s)")
     parser.add_argument("--load-unit", default="N·m", metavar="U", help="Nm, mNm or kNm (default Nm)")
-    parser.add_argument("--map", type=Path, metavar="F.npz", help="regime map of `seat-gear map`, a truth for warnings")
+    parser.add_argument(
+        "--map",
+        type=Path,
+        metavar="F.npz",
+        help="judge by this regime map (default: the bands that the log's warnings name, else the published ones)",
+    )
     parser.add_argument("--no-model", action="store_true", help="the log alone: no sweep, map and spectra beside it")
     parser.add_argument(
         "--processes", type=int, metavar="N", help="that march a long log without forces (default: one for each core)"
@@ -44,18 +49,17 @@ def run(arguments: argparse.Namespace) -> int:
     from seat_gear_dynamics.commands.progress import progress, stages
     from seat_gear_dynamics.logs.analysis import ModelSettings, Source, analyse
 
-    train = _train(arguments.log, arguments.system)
+    train, bands = _machine(arguments.log, arguments.system, arguments.map)
     source = Source(
         arguments.speed_topic, arguments.load_topic, arguments.joint, arguments.speed_unit, arguments.load_unit
     )
-    chart = None if arguments.map is None else _map(arguments.map)
     with stages(quiet=arguments.json) as tell:
         found = analyse(
             arguments.log,
             train,
             source=source,
             model=None if arguments.no_model else ModelSettings(),
-            regime_map=chart,
+            bands=bands,
             processes=(cpu_count() or 1) if arguments.processes is None else arguments.processes,
             tell=tell,
         )
@@ -70,8 +74,8 @@ def report(
 ) -> tuple[dict[str, Any], list[str]]:
     """Write the one-page picture report.png for `log`; return the summary as plain values and as lines.
 
-    The forbidden bands are those of `system`, or of the description that the log keeps, or the packaged one's.
-    `quiet` says nothing of the progress.
+    The machine is that of `system`, or of the description that the log keeps, or the packaged one; its bands are those
+    that the log's warnings name. `quiet` says nothing of the progress.
     """
     from seat_gear_dynamics.commands.progress import stages
     from seat_gear_dynamics.logs.analysis import analyse
@@ -79,33 +83,26 @@ def report(
     from seat_gear_dynamics.views.analysis import summary
     from seat_gear_dynamics.views.report import summary_lines
 
-    train = _train(log, system)
+    train, bands = _machine(log, system)
     with stages(quiet=quiet) as tell:
-        found = analyse(log, train, tell=tell)
+        found = analyse(log, train, bands=bands, tell=tell)
     picture = _picture(found, _folder(log, output))
     lines = [*summary_lines(overview(found)), f"log:    {log}", f"report: {picture}"]
     return {**summary(found), "report": str(picture)}, lines
 
 
-def _train(log: Path, system: str | None) -> "GearTrain":
-    """Return the train of the option, else of the log, else the packaged one."""
+def _machine(log: Path, system: str | None, chart: Path | None = None) -> tuple["GearTrain", "BandSource"]:
+    """Return the train of the option, else of the log, else the packaged one, and by which bands it is judged."""
     from seat_gear_dynamics.gears import load_train
     from seat_gear_dynamics.gears.description import parse_train
+    from seat_gear_dynamics.logs.analysis.band_source import band_source
+    from seat_gear_dynamics.logs.analysis.what_if import recorded_bands
     from seat_gear_dynamics.logs.reader import Bag
 
-    text = (Bag(log).metadata or {}).get("system") if system is None else None
-    return parse_train(text) if text else load_train(system)
-
-
-def _map(path: Path) -> "RegimeMap":
-    from seat_gear_dynamics.commands.errors import CommandError
-    from seat_gear_dynamics.regimes import MapError, RegimeMap
-
-    try:
-        with path.open("rb") as file:
-            return RegimeMap.load(file)
-    except MapError as error:
-        raise CommandError(f"{path}: {error}") from error
+    bag = Bag(log)
+    text = (bag.metadata or {}).get("system") if system is None else None
+    train = parse_train(text) if text else load_train(system)
+    return train, band_source(train, chart, recorded_bands(bag))
 
 
 def _folder(log: Path, output: Path | None) -> Path:
@@ -115,11 +112,11 @@ def _folder(log: Path, output: Path | None) -> Path:
 
 
 def _picture(found: "Analysis", folder: Path) -> Path:
-    from seat_gear_dynamics.logs.analysis.overview import overview
+    from seat_gear_dynamics.logs.analysis.overview import band_boxes, overview
     from seat_gear_dynamics.views.report import write_report
 
     path = folder / "report.png"
-    write_report(overview(found), found.train.bands, path, load_scale=found.train.model.load_scale)
+    write_report(overview(found), band_boxes(found), path, load_scale=found.train.model.load_scale)
     return path
 
 

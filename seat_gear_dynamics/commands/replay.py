@@ -8,9 +8,7 @@ from typing import TYPE_CHECKING, Any
 from seat_gear_dynamics.commands.texts import Texts
 
 if TYPE_CHECKING:
-    from seat_gear_dynamics.gears import GearTrain
-    from seat_gear_dynamics.logs.analysis.rerun import Rerun
-    from seat_gear_dynamics.logs.analysis.what_if import MonitorSettings
+    from seat_gear_dynamics.logs.analysis.rerun_result import Rerun
 
 TEXTS = {
     "replay": Texts(
@@ -43,15 +41,19 @@ def run(arguments: argparse.Namespace) -> int:
     from seat_gear_dynamics.commands.progress import progress
     from seat_gear_dynamics.gears import load_train
     from seat_gear_dynamics.gears.description import parse_train
+    from seat_gear_dynamics.logs.analysis.band_source import band_source
     from seat_gear_dynamics.logs.analysis.rerun import rerun
     from seat_gear_dynamics.logs.analysis.what_if import monitor_settings, recorded_bands, split, with_values
     from seat_gear_dynamics.logs.reader import Bag
+    from seat_gear_dynamics.sensing import MapBands
 
     system, monitor = split(arguments.set)
     bag = Bag(arguments.log)
     kept, logged = (bag.metadata or {}).get("system"), recorded_bands(bag)
     train = load_train(arguments.system) if arguments.system or not kept else parse_train(kept)
-    settings = _with_bands(monitor_settings(monitor), arguments.map, logged, train)
+    settings, bands = monitor_settings(monitor), band_source(train, arguments.map, logged)
+    if isinstance(bands, MapBands):  # published ones are those of the train that is replayed
+        settings = settings._replace(bands=bands)
     if system:
         train = parse_train(with_values(train.text, system))
     other = settings.bands is not None and settings.bands.label != logged
@@ -60,27 +62,6 @@ def run(arguments: argparse.Namespace) -> int:
         found = rerun(arguments.log, train, settings, tell)
     print(json.dumps(_values(found, what_if=what_if)) if arguments.json else "\n".join(_lines(found, what_if=what_if)))
     return 0 if what_if or found.identical else 1
-
-
-def _with_bands(
-    settings: "MonitorSettings", path: Path | None, logged: str | None, train: "GearTrain"
-) -> "MonitorSettings":
-    """Return the settings with the bands of the map at `path`, or of the packaged map where the log names it."""
-    from seat_gear_dynamics.commands.errors import CommandError
-    from seat_gear_dynamics.gears import packaged_description
-    from seat_gear_dynamics.regimes.regime_map import MapError, RegimeMap
-    from seat_gear_dynamics.sensing import PACKAGED_MAP, MapBands, PublishedBands
-
-    if path is None and logged in (None, PublishedBands.label):
-        return settings
-    try:
-        with (path or packaged_description().with_name(PACKAGED_MAP)).open("rb") as file:
-            bands = MapBands(RegimeMap.load(file, train), train)
-    except (MapError, OSError) as error:
-        if path is None:
-            return settings  # the log's map is not here; what differs for it is said with the result
-        raise CommandError(f"The map {path} cannot be used: {error}") from error
-    return settings._replace(bands=bands) if path or bands.label == logged else settings
 
 
 def _values(found: "Rerun", *, what_if: bool) -> dict[str, Any]:
@@ -105,6 +86,8 @@ def _values(found: "Rerun", *, what_if: bool) -> dict[str, Any]:
         "topics": [asdict(each) for each in found.topics],
         "bands": {"logged": found.bands[0], "replayed": found.bands[1]},
         "other_bands": other_bands(*found.bands),
+        "setting_changes": found.setting_changes,
+        "thresholds": None if what_if else found.threshold_words,
         "damage": found.damage,
         "windows_before_log": found.windows_before_log,
         "silences": found.silences,
@@ -129,12 +112,15 @@ def _lines(found: "Rerun", *, what_if: bool) -> list[str]:
     different = other_bands(*found.bands)
     if different:
         lines.append(f"  {different}")
+    if found.setting_changes:
+        lines.append(f"  changes of the monitor's parameters in the log, which are followed: {found.setting_changes}")
     if found.damage:
         lines.append(f"  the log is damaged: {found.damage}")
     if what_if:
         lines += _what_if_lines(found)
     elif found.first_difference:
         lines.append(f"first difference: {found.first_difference}")
+        lines += [found.threshold_words] if found.threshold_words else []
     return lines
 
 

@@ -95,6 +95,14 @@ IN_FORBIDDEN_BAND = Topic(
     depth=1,
 )
 DIAGNOSTICS = Topic("/diagnostics", DIAGNOSTIC_ARRAY, "out", "health of inputs, solver, warning and recorder")
+PARAMETER_EVENTS = Topic(
+    "/parameter_events",
+    "rcl_interfaces/msg/ParameterEvent",
+    "out",
+    "changes of every node's parameters, by which a replay follows the monitor's thresholds",
+    depth=1000,
+)
+"""ROS 2's own: no topic of the contract, but recorded with it."""
 
 TOPICS: tuple[Topic, ...] = (
     MOTOR_SPEED,

@@ -1,6 +1,6 @@
 """How the monitor's inputs do: rate, age and gaps of each quantity, and the samples that could not be used."""
 
-from collections import Counter
+from collections import Counter, deque
 from collections.abc import Callable
 
 from seat_gear_dynamics.nodes.diagnostics import Status
@@ -18,44 +18,54 @@ REASONS = (
 )
 """Why a sample is refused, as it is counted."""
 _LATE = 0.1  # s; a sample that waited so long says that the node falls behind, or that clocks differ
+_HOLD_UPS = 3
 
 
 class Wakefulness:
-    """Tells ticks just after the node was held up, when messages that came meanwhile may still be unread.
+    """Knows when the node was held up, from a tick that should come each period; times are of the node's clock, ns.
 
-    Executors call timers before subscriptions, and after a pause the next tick may follow at once, before the
-    middleware has read its sockets: a busy machine would make an input silent that is not.
+    Time in which the node did not run says nothing of its inputs: what came meanwhile may still be unread, as
+    executors call timers before subscriptions, and the middleware has yet to read its sockets.
+
+    Limit: the last three hold-ups are remembered, so that a node that is late at every tick finds silence as well.
     """
 
-    def __init__(self, now: int) -> None:
-        """Start at `now`, ns, a period before the first tick."""
+    def __init__(self, now: int, period: int) -> None:
+        """Expect the first tick a period after `now`."""
+        self._ticked, self._period = now, period
+        self._spans: deque[tuple[int, int]] = deque(maxlen=_HOLD_UPS)
+
+    def tick(self, now: int) -> None:
+        """Note a tick; one that comes more than a period late ends a hold-up."""
+        self._spans.extend(self._running(now))
         self._ticked = now
-        self._excused_until = 0
-        self._was_excused = False
 
-    def just_woke(self, now: int, period: int) -> bool:
-        """Return whether this tick, one each `period` (ns), came late, or within a period after one that did.
+    def held_up(self, since: int, now: int) -> int:
+        """Return for how long of the time since then the node did not run."""
+        return sum(max(0, end - max(begin, since)) for begin, end in (*self._spans, *self._running(now)))
 
-        Limit: whoever is late at every tick is excused at every other one, not for ever.
-        """
-        ticked, self._ticked = self._ticked, now
-        if now < self._excused_until:
-            return True
-        late = now - ticked > 2 * period
-        self._was_excused = late and not self._was_excused
-        self._excused_until = now + period if self._was_excused else 0
-        return self._was_excused
+    def _running(self, now: int) -> list[tuple[int, int]]:
+        return [(self._ticked + self._period, now)] if now - self._ticked > 2 * self._period else []
 
 
 class InputHealth:
     """Follows one quantity, speed or load; times are those of the node's clock, in ns."""
 
     def __init__(
-        self, name: str, topic: str, now: Callable[[], int], limit: Callable[[], float], publishers: Callable[[], int]
+        self,
+        name: str,
+        topic: str,
+        now: Callable[[], int],
+        held_up: Callable[[int, int], int],
+        limit: Callable[[], float],
+        publishers: Callable[[], int],
     ) -> None:
-        """`limit` gives the silence, s, after which the quantity is missing; `publishers` how many are matched."""
+        """`held_up` gives the time between two in which the node did not run, `publishers` how many are matched.
+
+        `limit` gives the silence, s, after which the quantity is missing.
+        """
         self.name = name
-        self._topic, self._now, self._limit, self._publishers = topic, now, limit, publishers
+        self._topic, self._now, self._held_up, self._limit, self._publishers = topic, now, held_up, limit, publishers
         self._received = self._reported = 0
         self._begin = now()
         self.forget()
@@ -88,12 +98,16 @@ class InputHealth:
         if self._heard is None:
             return f"no {self.name} received yet"
         limit, now = self._limit(), self._now()
-        if _age(self._heard, now) > limit:
+        if self._missed(self._heard, now) > limit:
             return f"no {self.name} for more than {limit:g} s"
-        if self._used is not None and _age(self._used, now) <= limit:
+        if self._used is not None and self._missed(self._used, now) <= limit:
             return None
         since = "received yet" if self._used is None else f"for more than {limit:g} s"
         return f"no {self.name} that can be used {since}: {self._fault}" if self._fault else None
+
+    def _missed(self, then: int, now: int) -> float:
+        """Return for how long, s, the node ran since then."""
+        return (now - then - self._held_up(then, now)) * 1e-9
 
     def run(self, status: Status) -> None:
         """STALE while silent, ERROR where messages come and none can be used, WARN for gaps and two publishers."""

@@ -15,7 +15,7 @@ from std_msgs.msg import Float64
 from seat_gear_dynamics.logs import topics
 from seat_gear_dynamics.nodes import messages
 from seat_gear_dynamics.nodes.diagnostics import Composite
-from seat_gear_dynamics.nodes.input_health import InputHealth, SampleHealth
+from seat_gear_dynamics.nodes.input_health import InputHealth, SampleHealth, Wakefulness
 from seat_gear_dynamics.nodes.qos_events import QosEvents
 from seat_gear_dynamics.sensing import RejectedSampleError
 
@@ -56,10 +56,18 @@ class Intake:
         joint_states = settings["input"] == "joint_states"
         names = [topics.JOINT_STATES.name] * 2 if joint_states else [topics.MOTOR_SPEED.name, topics.LOAD_TORQUE.name]
         self._speed_health, self._load_health = (
-            InputHealth(name, topic, self._now, partial(settings.__getitem__, key), partial(events.publishers, topic))
+            InputHealth(
+                name,
+                topic,
+                self._now,
+                self._held_up,
+                partial(settings.__getitem__, key),
+                partial(events.publishers, topic),
+            )
             for (name, key), topic in zip(_TIMEOUTS.items(), names, strict=True)
         )
         self._samples = SampleHealth()
+        self.expect_ticks(settings["warning_rate"])
         self.health = Composite("input", (self._speed_health, self._load_health, self._samples))
         """The inputs' diagnostic task."""
         qos = _qos(settings["input_deadline"])
@@ -106,38 +114,57 @@ class Intake:
         self.forget()
         self._samples.jumped()
 
+    def expect_ticks(self, rate: float) -> None:
+        """Take it that `tick` is called at this rate, Hz, from now on."""
+        self._wakefulness = Wakefulness(self._now(), int(1e9 / rate))
+
+    def tick(self) -> None:
+        """Note that the node is awake: a hold-up is no silence of the inputs, whose messages may still be unread."""
+        self._wakefulness.tick(self._now())
+
     def silence(self) -> str | None:
         """Return what input is missing, in words, or None."""
         return self._speed_health.silence() or self._load_health.silence()
 
+    def _held_up(self, since: int, now: int) -> int:
+        return self._wakefulness.held_up(since, now)
+
     def _now(self) -> int:
         return int(self._node.get_clock().now().nanoseconds)
 
+    def _time(self, *inputs: InputHealth) -> int | None:
+        """Return the time of a message of these inputs; None where it counts for nothing."""
+        if not self._is_open:
+            return None
+        now = self._now()
+        if not now and self._node.get_clock().ros_time_is_active:
+            self._refuse("no clock", "use_sim_time is set and nothing came on /clock yet", *inputs)
+            return None
+        for each in inputs:
+            each.heard(now)
+        return now
+
     def _on_load(self, message: Float64) -> None:
-        if self._is_open:
-            self._take_load(self._now(), message.data)
+        now = self._time(self._load_health)
+        if now is not None:
+            self._take_load(now, message.data)
 
     def _take_load(self, now: int, load: float) -> None:
-        self._load_health.heard(now)
         if not isfinite(load):
-            self._refuse(self._load_health, "not finite", f"the load is {load}, expected a finite torque in N·m")
+            self._refuse("not finite", f"the load is {load}, expected a finite torque in N·m", self._load_health)
         elif abs(load) > self._limits.max_load:
             text = f"the load is {load:.6g} N·m, expected at most {self._limits.max_load:g}; check its unit"
-            self._refuse(self._load_health, "absurd", text)
+            self._refuse("absurd", text, self._load_health)
         else:
             self._load = load
             self._load_health.used(now)
 
     def _on_speed(self, message: Float64, info: Mapping[str, int]) -> None:
-        if not self._is_open:
+        now = self._time(self._speed_health)
+        if now is None:
             return
-        now = self._now()
-        self._speed_health.heard(now)
         if self._node.get_clock().ros_time_is_active:
-            if now:
-                self._hand_on(now, now, message.data)
-            else:
-                self._refuse(self._speed_health, "no clock", "use_sim_time is set and nothing came on /clock yet")
+            self._hand_on(now, now, message.data)
             return
         # Some publishers' middleware leaves the source time out; then the arrival is the best there is.
         stamp = int(info["source_timestamp"]) or now
@@ -145,26 +172,26 @@ class Intake:
         self._hand_on(now, stamp, message.data)
 
     def _on_joint_states(self, message: JointState) -> None:
-        if not self._is_open:
+        both = (self._speed_health, self._load_health)
+        now = self._time(*both)
+        if now is None:
             return
-        now = self._now()
-        self._speed_health.heard(now)
         names = list(message.name)
         index = names.index(self._joint) if self._joint in names else -1
         stamp = messages.nanoseconds(message.header.stamp)
         if index < 0 or index >= min(len(message.velocity), len(message.effort)):
-            text = f"no velocity and effort of joint {self._joint!r} among {names}"
-            self._refuse(self._speed_health, "joint not named", text)
+            self._refuse("joint not named", f"no velocity and effort of joint {self._joint!r} among {names}", *both)
         elif stamp <= 0:
             text = f"the joint state's stamp is {stamp} ns; its publisher has to fill in header.stamp"
-            self._refuse(self._speed_health, "no stamp", text)
+            self._refuse("no stamp", text, *both)
         else:
             self._take_load(now, message.effort[index])
             self._hand_on(now, stamp, message.velocity[index])
 
     def _hand_on(self, now: int, stamp_ns: int, speed: float) -> None:
         if not isfinite(speed):
-            self._refuse(self._speed_health, "not finite", f"the speed is {speed}, expected a finite number in rad/s")
+            text = f"the speed is {speed}, expected a finite number in rad/s"
+            self._refuse("not finite", text, self._speed_health)
             return
         ratio = abs(speed) / self._limits.covered_speed
         if ratio > PLAUSIBLE and abs(speed) <= self._limits.max_speed:
@@ -172,7 +199,7 @@ class Intake:
                 f"the speed is {speed:.6g} rad/s, {ratio:.1f} times the highest covered; expected rad/s "
                 f"({speed:.6g} r/min would be {speed / _UNIT_MISTAKE:.4g} rad/s)"
             )
-            self._refuse(self._speed_health, "implausible", text)
+            self._refuse("implausible", text, self._speed_health)
             return
         if self._load is None or self._load_health.silence() is not None:
             self._samples.without_load()
@@ -183,13 +210,14 @@ class Intake:
         try:
             self._feed(stamp_ns, (stamp_ns - self._origin) * 1e-9, speed, self._load)
         except RejectedSampleError as error:
-            self._refuse(self._speed_health, error.reason, str(error))
+            self._refuse(error.reason, str(error), self._speed_health)
             return
         self._speed_health.used(now)
         self._samples.accepted()
 
-    def _refuse(self, health: InputHealth, reason: str, text: str) -> None:
-        health.refused(text)
+    def _refuse(self, reason: str, text: str, *inputs: InputHealth) -> None:
+        for each in inputs:
+            each.refused(text)
         self._samples.refuse(reason, text)
         self._node.get_logger().warning(f"input refused: {text}", throttle_duration_sec=5.0)
 

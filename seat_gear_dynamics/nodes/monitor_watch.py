@@ -9,7 +9,6 @@ from rclpy.lifecycle import LifecycleNode
 
 from seat_gear_dynamics.gears import DescriptionError, GearTrain, load_train, packaged_description
 from seat_gear_dynamics.nodes.diagnostics import Updater
-from seat_gear_dynamics.nodes.input_health import Wakefulness
 from seat_gear_dynamics.nodes.intake import Intake, Limits
 from seat_gear_dynamics.nodes.monitor_health import SolverHealth, WarningHealth
 from seat_gear_dynamics.nodes.monitor_outputs import Outputs
@@ -94,13 +93,13 @@ class Watch:
     def stepped_back(self) -> None:
         """Start over: the clock stepped back, and what was timed by it means nothing any more."""
         self._intake.stepped_back()
-        self._wakefulness = Wakefulness(self._now())
+        self._intake.expect_ticks(self._settings["warning_rate"])
         self._session.reset()
         self._solver.pace(self._settings["publish_rate"])
 
     def _make_timers(self) -> None:
         self._destroy_timers()
-        self._wakefulness = Wakefulness(self._now())
+        self._intake.expect_ticks(self._settings["warning_rate"])
         self._solver.pace(self._settings["publish_rate"])
         self._timers = [
             self._node.create_timer(1.0 / self._settings["publish_rate"], self._on_publish),
@@ -144,9 +143,9 @@ class Watch:
             self._outputs.state(model_state(self._stamp_ns, self._intake.origin_ns, self._session))
 
     def _on_warning(self) -> None:
-        just_woke = self._wakefulness.just_woke(self._now(), int(1e9 / self._settings["warning_rate"]))
+        self._intake.tick()
         silence = self._intake.silence()
-        if silence is not None and not just_woke:
+        if silence is not None:
             self._session.silence(silence)
         self._publish_warning()
         if self._session.reading is not None:

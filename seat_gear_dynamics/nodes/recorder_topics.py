@@ -34,7 +34,7 @@ class Choice:
         """Return whether a topic of the network is chosen; hidden ones only by name."""
         if self.exclude is not None and self.exclude.search(name):
             return False
-        if name in self.names:
+        if name in self.names or (self.contract and name == topics.PARAMETER_EVENTS.name):
             return True
         wanted = self.everything or (self.pattern is not None and self.pattern.search(name) is not None)
         return wanted and _HIDDEN.match(name) is None
@@ -79,12 +79,15 @@ class Subscriptions:
         self._node, self._choice, self._depth = node, choice, depth
         self._intake, self._add_topic = intake, add_topic
         self._types: dict[str, str] = {}
+        self._refused: set[str] = set()
         self._qos: dict[str, QoSProfile] = {}
         for topic in topics.TOPICS:
             name = node.resolve_topic_name(topic.name)
             excluded = choice.exclude is not None and choice.exclude.search(name)
             if not excluded and (choice.contract or name in choice.names):
                 self._begin(name, topic.type, topic.qos)
+        if choice.contract and choice.takes(topics.PARAMETER_EVENTS.name):
+            self._begin_parameter_events()
 
     @property
     def names(self) -> tuple[str, ...]:
@@ -100,7 +103,7 @@ class Subscriptions:
         """Follow the network: new topics, weaker publishers, publishers of a wrong type."""
         publishers = self._intake.publishers()
         for name, offers in publishers.items():
-            if name not in self._types and self._choice.takes(name):
+            if name not in self._types and name not in self._refused and self._choice.takes(name):
                 self._discover(name, offers)
         for name in self._types:
             self._follow(name, publishers.get(name, ()))
@@ -121,6 +124,16 @@ class Subscriptions:
         reliability = ReliabilityPolicy.BEST_EFFORT if qos.reliability == "best_effort" else ReliabilityPolicy.RELIABLE
         durability = DurabilityPolicy.TRANSIENT_LOCAL if latched else DurabilityPolicy.VOLATILE
         self._subscribe(name, QoSProfile(depth=self._depth, reliability=reliability, durability=durability))
+
+    def _begin_parameter_events(self) -> None:
+        """Listen to them where that is allowed: the rights of a secured bench may be of the contract alone."""
+        topic = topics.PARAMETER_EVENTS
+        try:
+            self._begin(topic.name, topic.type, topic.qos)
+        except Exception as error:  # of the middleware, each runtime has its own class
+            self._types.pop(topic.name, None)
+            self._refused.add(topic.name)
+            self._complain(topic.name, f"{topic.name} is not recorded, so no replay follows thresholds: {error}")
 
     def _follow(self, name: str, publishers: Sequence[Any]) -> None:
         wrong = sorted({f"{p.topic_type} by {p.node_name}" for p in publishers if p.topic_type != self._types[name]})

@@ -1,15 +1,14 @@
 """The picture of a recorded run: speed against its forbidden bands with the warning, load, forces, Poincaré section."""
 
-from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 from matplotlib.backends.backend_agg import FigureCanvasAgg
+from matplotlib.collections import PolyCollection
 from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
-from seat_gear_dynamics.gears import ForbiddenBand
 from seat_gear_dynamics.gears.units import RPM
 from seat_gear_dynamics.logs.run import Run
 from seat_gear_dynamics.views.colours import BAND, LEVEL_COLOURS, LEVEL_NAMES, LOAD, MESH_COLOURS, SPEED
@@ -18,14 +17,17 @@ Array = NDArray[np.float64]
 Axes = Any  # matplotlib ships no types for what is used here
 
 
-def write_report(run: Run, bands: Sequence[ForbiddenBand], path: Path, *, load_scale: float) -> None:
-    """Draw `run` to a PNG file at `path`; raises OSError where it cannot be written."""
+def write_report(run: Run, boxes: Array, path: Path, *, load_scale: float) -> None:
+    """Draw `run` to a PNG file at `path`; raises OSError where it cannot be written.
+
+    `boxes` (n, 4) say where |speed| is forbidden: begin and end in s, low and high in rad/s of s1.
+    """
     figure = Figure(figsize=(13, 9.5), layout="constrained")
     FigureCanvasAgg(figure)
     parts: Axes = figure.subfigures(1, 2, width_ratios=(1.75, 1))
     left, right = parts
     speed, load, first, second = left.subplots(4, 1, sharex=True, height_ratios=(2, 1, 1.5, 1.5))
-    _draw_speed(speed, run, bands)
+    _draw_speed(speed, run, boxes)
     _draw_load(load, run)
     _draw_force(first, run, "s1_s2", MESH_COLOURS[0], load_scale)
     _draw_force(second, run, "s3_s4", MESH_COLOURS[1], load_scale)
@@ -58,14 +60,10 @@ def time_by_level(run: Run) -> dict[str, float]:
     return total
 
 
-def _draw_speed(axes: Axes, run: Run, bands: Sequence[ForbiddenBand]) -> None:
+def _draw_speed(axes: Axes, run: Run, boxes: Array) -> None:
     time, speed = run.speed
     rpm = speed / RPM
-    signs = {1.0} | ({-1.0} if len(rpm) and rpm.min() < 0 else set())
-    for sign in signs:
-        for band in bands:
-            edges = sorted((sign * band.low / RPM, sign * band.high / RPM))
-            axes.axhspan(*edges, color=BAND, alpha=0.22, lw=0.8)  # the edge keeps a narrow band visible
+    draw_boxes(axes, boxes, backward=bool(len(rpm)) and rpm.min() < 0)
     axes.plot(time, rpm, color=SPEED, lw=1.2)
     axes.set_ylabel("speed of s1, r/min")
     low, high = axes.get_ylim()
@@ -75,6 +73,18 @@ def _draw_speed(axes: Axes, run: Run, bands: Sequence[ForbiddenBand]) -> None:
     handles = [axes.plot([], [], color=colour, lw=6)[0] for colour in LEVEL_COLOURS]
     _legend_above(axes, handles, LEVEL_NAMES, title="warning (strip); forbidden bands shaded")
     axes.grid(alpha=0.3)
+
+
+def draw_boxes(axes: Axes, boxes: Array, *, backward: bool) -> None:
+    """Shade what is forbidden, as `write_report` takes it, on axes of r/min over s; `backward` in reverse too."""
+    corners = []
+    for begin, end, low, high in boxes.tolist():
+        for sign in (1, -1) if backward else (1,):
+            edges = (sign * low / RPM, sign * high / RPM)
+            corners.append([(begin, edges[0]), (begin, edges[1]), (end, edges[1]), (end, edges[0])])
+    edge = 0.8 if len(corners) < 20 else 0.0  # keeps a narrow band visible; between many boxes it would be a hatch
+    axes.add_collection(PolyCollection(corners, color=BAND, alpha=0.22, linewidths=edge, zorder=0.9))
+    axes.autoscale_view()
 
 
 def _draw_load(axes: Axes, run: Run) -> None:

@@ -14,6 +14,7 @@ from typing import Any
 
 import pytest
 from dask_cluster import Cluster
+from interrupted import ended_amid
 
 from seat_gear_dynamics.cluster import dask_workers
 from seat_gear_dynamics.cluster.build import build
@@ -25,21 +26,6 @@ from seat_gear_dynamics.regimes.workers import Threads
 SWEEP = "sweep --over load --start 100 --stop 300 --points 100 --transient 2 --periods 48"
 BOTH = "sweep --over load --start 100 --stop 300 --points 20 --direction both --transient 2 --periods 48"
 MAP = "map --speed-rpm 600 1100 20 --load 100 200 2 --transient 2 --periods 48 --samples 2"
-# Signals itself when so many rows were added; notes come often, so that a short sweep leaves one.
-PROGRAM = """
-import os, sys
-from itertools import count
-from seat_gear_dynamics.commands import journal, main
-number, rows = int(sys.argv.pop(1)), int(sys.argv.pop(1))
-add, added = journal.Journal.add, count()
-def counted(self, *arguments):
-    add(self, *arguments)
-    if next(added) == rows:
-        os.kill(os.getpid(), number)
-journal.Journal.add = counted
-journal.NOTE_INTERVAL = 0.0
-sys.exit(main())
-"""
 
 
 @pytest.fixture
@@ -68,9 +54,8 @@ def test_a_run_that_was_ended_on_the_cluster_goes_on_at_home(
     cluster: Cluster, run: Callable[..., int], number: int
 ) -> None:
     where = ["--system", "fixed.yaml", "--output", "far.csv", "--scheduler", cluster.address]
-    command = [sys.executable, "-c", PROGRAM, str(int(number)), "40", *SWEEP.split(), *where]
-    done = subprocess.run(command, capture_output=True, text=True, check=False)
-    assert done.returncode == (130 if number == signal.SIGINT else -number), done.stderr
+    # Notes come often, so that a short sweep leaves one.
+    done = ended_amid([*SWEEP.split(), *where], number, 40, note_interval=0.0)
     if number == signal.SIGINT:
         assert done.stderr == "interrupted at row 40 of 100; the same command goes on from there\n"
     assert json.loads(Path("far.csv.part").read_text())["reached"]["rows"] == 40

@@ -4,8 +4,6 @@ import argparse
 import json
 import shlex
 import signal
-import subprocess
-import sys
 import tracemalloc
 from collections.abc import Callable, Iterator
 from pathlib import Path
@@ -14,6 +12,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from interrupted import ended_amid
 
 from seat_gear_dynamics.cluster import build as build_module
 from seat_gear_dynamics.commands import journal as journal_module
@@ -30,24 +29,6 @@ from seat_gear_dynamics.regimes.workers import Threads
 
 Run = Callable[[str], int]
 
-# As `seat-gear` itself gives a command its parser. Signals itself when so many rows were added.
-PROGRAM = """
-import argparse, os, sys
-from itertools import count
-from seat_gear_dynamics.commands import journal, sweep
-number, rows = int(sys.argv.pop(1)), int(sys.argv.pop(1))
-add, added = journal.Journal.add, count()
-def counted(self, *arguments):
-    add(self, *arguments)
-    if next(added) == rows:
-        os.kill(os.getpid(), number)
-journal.Journal.add = counted
-parser = argparse.ArgumentParser()
-parser.add_argument("--system")
-parser.add_argument("--json", action="store_true")
-sweep.add_arguments(parser)
-sys.exit(sweep.run(parser.parse_args()))
-"""
 COLD = "sweep --over load --start 100 --stop 300 --points 70 --transient 2 --periods 48"
 BOTH = "sweep --over load --start 100 --stop 300 --points 4 --direction both --transient 2 --periods 48"
 MAP = "map --speed-rpm 600 1100 40 --load 100 200 2 --transient 2 --periods 48"
@@ -211,10 +192,7 @@ def test_rows_of_another_build_are_not_gone_on_with(
 
 @pytest.mark.parametrize(("number", "stands"), [(signal.SIGKILL, 0), (signal.SIGINT, 45)])
 def test_a_sweep_that_was_killed_goes_on_from_what_is_on_disk(run: Run, number: int, stands: int) -> None:
-    words = f"{COLD} --output f.csv --system fixed.yaml".split()[1:]
-    command = [sys.executable, "-c", PROGRAM, str(int(number)), "45", *words]
-    ended = subprocess.run(command, capture_output=True, check=False)
-    assert ended.returncode == -number, ended.stderr
+    ended_amid(f"{COLD} --output f.csv --system fixed.yaml".split(), number, 45)
     # A killed program has its last note, which may be a second old; one that was asked to end writes a last one.
     assert json.loads(Path("f.csv.part").read_text())["reached"].get("rows", 0) >= stands
     # The row in hand may not have left the program yet; those before it have.

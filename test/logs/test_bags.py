@@ -13,7 +13,8 @@ from seat_gear_dynamics.gears import GearTrain
 from seat_gear_dynamics.gears.description import parse_train
 from seat_gear_dynamics.gears.units import RPM
 from seat_gear_dynamics.logs.analysis import Analysis, analyse
-from seat_gear_dynamics.logs.analysis.rerun import Rerun, rerun
+from seat_gear_dynamics.logs.analysis.rerun import rerun
+from seat_gear_dynamics.logs.analysis.rerun_result import Rerun
 from seat_gear_dynamics.logs.analysis.what_if import MonitorSettings
 from seat_gear_dynamics.logs.reader import Bag
 from seat_gear_dynamics.logs.recovery import recover

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -16,7 +16,13 @@ from seat_gear_dynamics.gears import GearTrain, packaged_description
 from seat_gear_dynamics.gears.units import RPM
 from seat_gear_dynamics.logs import topics
 from seat_gear_dynamics.logs.analysis.rerun import rerun
-from seat_gear_dynamics.logs.analysis.what_if import MonitorSettings, other_bands, recorded_bands
+from seat_gear_dynamics.logs.analysis.what_if import (
+    MonitorSettings,
+    monitor_settings,
+    other_bands,
+    recorded_bands,
+    with_numbers,
+)
 from seat_gear_dynamics.logs.errors import LogError
 from seat_gear_dynamics.logs.reader import Bag
 from seat_gear_dynamics.logs.topics import ORIGIN_NAMES
@@ -50,6 +56,21 @@ def warning(verdict: Verdict, *, says_bands: bool) -> bytes:
     return bytes(STORE.serialize_cdr(kind(level, "w", verdict.reason, "", values), topics.DIAGNOSTIC_STATUS))
 
 
+def event(values: Mapping[str, float], *, node: str = "/gear_monitor", new: bool = False) -> bytes:
+    """Return a serialized event of parameters, with one beside them that no replay knows."""
+    value, parameter = STORE.types["rcl_interfaces/msg/ParameterValue"], STORE.types["rcl_interfaces/msg/Parameter"]
+    kind, none = STORE.types[topics.PARAMETER_EVENTS.type], np.array([])
+
+    def one(name: str, number: float) -> Any:
+        of, whole = (2, int(number)) if name == "section_points" else (3, 0)
+        arrays: tuple[Any, ...] = (none.astype(np.uint8), none.astype(bool), none.astype(np.int64), none, [])
+        return parameter(name, value(of, False, whole, 0.0 if of == 2 else number, "", *arrays))
+
+    given = [one(name, number) for name, number in {**values, "publish_rate": 20.0}.items()]
+    now = STORE.types["builtin_interfaces/msg/Time"](0, 0)
+    return bytes(STORE.serialize_cdr(kind(now, node, given if new else [], [] if new else given, []), kind.__msgtype__))
+
+
 def monitored(
     train: GearTrain,
     log: BagWriter,
@@ -59,13 +80,17 @@ def monitored(
     split: int | None = None,
     bands: BandSource | None = None,
     says_bands: bool | None = None,
+    changes: Mapping[int, Mapping[str, float]] | None = None,
+    tells: bool = True,
 ) -> None:
     """Do what the monitor does for `count` samples, and record it from sample `begin` on.
 
-    Warnings are recorded too where it is given whether they say their bands.
+    Warnings are recorded too where it is given whether they say their bands; `changes` of parameters come right before
+    the samples that they are named by, and are recorded too where it `tells` of them.
     """
-    session = Session(train, bands=bands)
-    for topic in (topics.MODEL_INPUT, topics.MODEL_STATE, topics.MESH_FORCE, topics.CHAOS_WARNING):
+    session, settings = Session(train, bands=bands), MonitorSettings()
+    recorded = [topics.MODEL_INPUT, topics.MODEL_STATE, topics.MESH_FORCE, topics.CHAOS_WARNING]
+    for topic in (*recorded, *((topics.PARAMETER_EVENTS,) if changes and tells else ())):
         log.add_topic(topic.absolute(), topic.type, topic.qos)
 
     def record(topic: topics.Topic, data: bytes, stamp: int) -> None:
@@ -76,6 +101,15 @@ def monitored(
         if k == split:
             log.split(START + k * STEP)
         stamp = START + k * STEP
+        if changes and k in changes:
+            settings = with_numbers(settings, changes[k])
+            if settings.alarm != session.alarm.settings:  # as the monitor's Watch.adopt
+                session.alarm.settings = settings.alarm
+                session.alarm.reset()
+            session.sensor.max_gap = settings.max_gap
+            if tells:
+                record(topics.PARAMETER_EVENTS, event(changes[k], new=k == 0), stamp - 1)
+                record(topics.PARAMETER_EVENTS, event({"margin_rpm": 999.0}, node="/other"), stamp - 1)
         speed, load = (1000 + 500 * np.sin(k / 9)) * RPM, 600.0 + k % 7
         verdict = session.feed((stamp - START) * 1e-9, speed, load).verdict
         if says_bands is not None:
@@ -302,3 +336,77 @@ def test_the_command_refuses_what_is_no_map_in_one_sentence(tmp_path: Path, caps
     log = str(Path(__file__).parents[2] / "bags" / "bench_dwell")
     assert main(["replay", log, "--map", str(tmp_path / "map.npz")]) == 1
     assert "cannot be used" in capsys.readouterr().err
+
+
+CHANGES = {0: {"margin_rpm": 60.0}, 40: {"margin_rpm": 90.0, "hysteresis_rpm": 8.0}, 95: {"debounce": 0.0}}
+
+
+def test_thresholds_that_were_changed_at_run_time_are_followed(train: GearTrain, new_log: NewLog) -> None:
+    with new_log() as log:
+        monitored(train, log, 150, says_bands=True, changes=CHANGES)
+    found = rerun(log.directory, train)
+    assert found.identical
+    assert (found.setting_changes, found.threshold_words) == (3, None)
+    assert found.topics[-1].messages == 150
+
+
+def test_a_change_takes_effect_with_its_own_sample(train: GearTrain, new_log: NewLog, tmp_path: Path) -> None:
+    """The same changes told of a sample later are another run."""
+    with new_log() as log:
+        monitored(train, log, 150, says_bands=True, changes=CHANGES)
+    with new_log(tmp_path / "later") as later:
+        for name, info in Bag(log.directory).topics.items():
+            later.add_topic(name, info.type)
+        for topic, log_ns, publish_ns, data in Bag(log.directory).messages():
+            late = STEP if topic == topics.PARAMETER_EVENTS.name else 0
+            later.write(topic, data, log_ns + late, publish_ns + late)
+    assert not rerun(later.directory, train).identical
+
+
+def test_what_was_asked_for_is_not_changed_by_the_log(train: GearTrain, new_log: NewLog) -> None:
+    with new_log() as log:
+        monitored(train, log, 150, says_bands=True, changes=CHANGES)
+    asked = rerun(log.directory, train, monitor_settings({"margin_rpm": "90"}))
+    assert asked.topics[-1].equal < asked.topics[-1].messages
+    assert monitor_settings({"margin_rpm": "90"}).given == {"margin_rpm"}
+
+
+def test_changes_that_the_log_does_not_tell_of_are_named_as_what_may_be(
+    train: GearTrain, new_log: NewLog, capsys: pytest.CaptureFixture[str]
+) -> None:
+    with new_log(system_text=train.text) as log:
+        monitored(train, log, 150, says_bands=True, changes={40: CHANGES[40]}, tells=False)
+    found = rerun(log.directory, train)
+    assert found.equal == found.messages
+    assert found.setting_changes is None
+    words = found.threshold_words
+    assert words is not None
+    first = START + 40 * STEP
+    assert "changed at run time" in words
+    named = int(words.split("log time ")[1].split(" ns")[0])
+    assert first <= named < first + 30 * STEP, "the first warning that differs, soon after the change"
+    assert f"({(named - START) * 1e-9:.2f} s into the log)" in words
+    assert main(["replay", str(log.directory)]) == 1
+    assert words in capsys.readouterr().out
+
+
+def test_other_forces_or_bands_are_not_laid_to_the_thresholds(
+    train: GearTrain, make_train: Callable[..., GearTrain], chart: MapBands, new_log: NewLog
+) -> None:
+    with new_log() as log:
+        monitored(train, log, 150, bands=chart, says_bands=True)
+    assert rerun(log.directory, train).threshold_words is None
+    assert rerun(log.directory, make_train({"meshes.*.backlash": 25})).threshold_words is None
+
+
+def test_a_section_length_of_the_start_is_taken_from_its_declaration(train: GearTrain, new_log: NewLog) -> None:
+    with new_log() as log:
+        monitored(train, log, 60, says_bands=True, changes={0: {"section_points": 64.0, "input_timeout": 0.3}})
+    found = rerun(log.directory, train)
+    assert (found.identical, found.setting_changes) == (True, 1)
+
+
+@pytest.mark.parametrize("values", [{"input_timeout": 0.0}, {"section_points": 0.0}, {"hold": -1.0}])
+def test_impossible_numbers_are_a_sentence(values: dict[str, float]) -> None:
+    with pytest.raises(LogError, match="expected"):
+        with_numbers(MonitorSettings(), values)

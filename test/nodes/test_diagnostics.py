@@ -52,7 +52,15 @@ class Input:
 
     def __init__(self, limit: float = 0.5) -> None:
         self.now, self.publishers = 100 * SECOND, 1
-        self.health = InputHealth("speed", "motor/speed", lambda: self.now, lambda: limit, lambda: self.publishers)
+        self.wakefulness = Wakefulness(self.now, 1000 * SECOND)
+        self.health = InputHealth(
+            "speed",
+            "motor/speed",
+            lambda: self.now,
+            lambda since, now: self.wakefulness.held_up(since, now),
+            lambda: limit,
+            lambda: self.publishers,
+        )
 
     def come(self, times: int, period: float, *, good: bool = True) -> None:
         for _ in range(times):
@@ -144,12 +152,45 @@ def test_a_sample_far_from_its_time_is_named(ns: int, words: str) -> None:
     assert words in status.text
 
 
-def test_a_tick_that_comes_late_is_excused_and_what_follows_within_a_period_too() -> None:
-    wakefulness = Wakefulness(0)
-    ticks = {100: False, 200: False, 390: False, 1300: True, 1301: True, 1399: True, 1400: False, 1500: False}
-    assert {now: wakefulness.just_woke(now, 100) for now in ticks} == ticks
+def test_a_hold_up_is_known_from_ticks_that_come_late_and_before_they_come() -> None:
+    wakefulness = Wakefulness(0, 100)
+    for now in (100, 200, 390):  # within two periods of each other
+        wakefulness.tick(now)
+    assert [wakefulness.held_up(0, now) for now in (400, 590, 591, 1300)] == [0, 0, 101, 810]
+    wakefulness.tick(1300)
+    assert [wakefulness.held_up(since, 1350) for since in (0, 490, 1000, 1300, 1340)] == [810, 810, 300, 0, 0]
+    wakefulness.tick(1400)
+    wakefulness.tick(2000)
+    assert wakefulness.held_up(0, 2000) == 810 + 500
+    assert wakefulness.held_up(1400, 2000) == 500
 
 
-def test_who_is_late_at_every_tick_is_excused_at_every_other_one() -> None:
-    wakefulness = Wakefulness(0)
-    assert [wakefulness.just_woke(now, 100) for now in range(300, 1500, 300)] == [True, False, True, False]
+def test_a_hold_up_is_no_silence_but_silence_goes_on_after_it() -> None:
+    speed = Input(limit=0.5)
+    speed.wakefulness = Wakefulness(speed.now, SECOND // 10)
+    for _ in range(10):
+        speed.come(1, 0.1)
+        speed.wakefulness.tick(speed.now)
+    speed.now += 60 * SECOND
+    assert speed.health.silence() is None, "no tick has come yet, and what waits is unread"
+    speed.wakefulness.tick(speed.now)
+    for silent in (False, False, False, False, True):  # a period is left of the hold-up, and 0.4 s to its limit
+        assert (speed.health.silence() is not None) == silent
+        speed.now += round(0.1001 * SECOND)
+        speed.wakefulness.tick(speed.now)
+    speed.come(1, 0.0)
+    assert speed.health.silence() is None
+
+
+@pytest.mark.parametrize("period", [0.21, 1.0, 60.0])
+def test_a_node_that_is_late_at_every_tick_finds_silence_as_well(period: float) -> None:
+    speed = Input(limit=0.5)
+    speed.wakefulness = Wakefulness(speed.now, SECOND // 10)
+    speed.come(1, 0.0)
+    found = []
+    for _ in range(6):
+        speed.now += round(period * SECOND)
+        speed.wakefulness.tick(speed.now)
+        found.append(speed.health.silence() is not None)
+    # Of the last three hold-ups only a period of 0.1 s each counts, of an earlier one everything.
+    assert found == [False, False, False, True, True, True]

@@ -92,12 +92,56 @@ def test_stamps_twice_late_and_not_filled_in_are_refused_and_a_step_back_starts_
 
     health.forget()
     paced(peer, lambda: 0.01, lambda: stamped(0), lambda: health.value("refused, no stamp") > 10, "stamps of zero")
-    assert health.says("fill in header.stamp")
+    assert health.says("no speed that can be used .* fill in header.stamp", ERROR)
+    paced(
+        peer, lambda: 0.01, lambda: stamped(0), lambda: health.says("no load that can be used .*stamp", ERROR), "both"
+    )
 
     health.forget()
     now -= 900_000  # a quarter of an hour
     paced(peer, lambda: 0.01, send, lambda: health.value("restarts, clock stepped back", "solver") == 1, "the restart")
     paced(peer, lambda: 0.01, send, lambda: peer.level() == OK, "OK again")
+
+
+def test_joint_states_that_lack_the_joint_are_an_error_that_names_what_came(
+    processes: Processes, peer: Peer, health: Health
+) -> None:
+    from sensor_msgs.msg import JointState
+
+    monitor = processes.node("monitor", input="joint_states")
+    peer.wait_for_subscriber("joint_states")
+    now = 1_000_000
+
+    def states(names: list[str], speeds: list[float], loads: list[float]) -> Callable[[], None]:
+        def send() -> None:
+            nonlocal now
+            now += 10
+            message = JointState(name=names, velocity=speeds, effort=loads)
+            message.header.stamp.sec, rest = divmod(now, 1000)
+            message.header.stamp.nanosec = rest * 10**6
+            peer.publish("joint_states", message)
+
+        return send
+
+    foreign = states(["lumbar", "recliner"], [1.0, 2.0], [3.0, 4.0])
+    wanted = r"no velocity and effort of joint 'seat_height' among \['lumbar', 'recliner'\]"
+    paced(peer, lambda: 0.01, foreign, lambda: health.says(f"no speed that can be used.*{wanted}", ERROR), "the names")
+    paced(peer, lambda: 0.01, foreign, lambda: bool(re.search(wanted, peer.text())), "the names in the warning")
+    assert peer.level() == STALE
+    assert health.value("refused, joint not named") > 10
+    assert not peer.messages["gear_monitor/input"]
+
+    health.forget()
+    names, speeds = ["lumbar", "seat_height"], [1.0, 900 * RPM]
+    bare = states(names, speeds, [])
+    wanted = wanted.replace("recliner", "seat_height")
+    paced(peer, lambda: 0.01, bare, lambda: health.says(f"no load that can be used.*{wanted}", ERROR), "no effort")
+    assert not peer.messages["gear_monitor/input"]
+
+    whole, fed = states(names, speeds, [3.0, 600.0]), peer.messages["gear_monitor/input"]
+    paced(peer, lambda: 0.01, whole, lambda: bool(fed) and peer.level() == OK, "OK")
+    assert (fed[-1].velocity[0], fed[-1].effort[0]) == (900 * RPM, 600.0), "those of the joint, not of the first"
+    assert monitor.poll() is None
 
 
 def test_a_publisher_that_goes_and_comes_back(processes: Processes, peer: Peer, health: Health) -> None:

@@ -5,9 +5,11 @@ from pathlib import Path
 
 import numpy as np
 from harness import Peer, Processes
+from monitored import Health
 
 from seat_gear_dynamics.gears import packaged_description
 from seat_gear_dynamics.logs.reader import Bag
+from seat_gear_dynamics.nodes.input_health import REASONS
 
 BAG = Path(__file__).parents[2] / "bags" / "third_party_bench"
 OK, WARN, ERROR = range(3)
@@ -54,25 +56,33 @@ def test_a_bag_recorded_by_rosbag2_gives_forces_warnings_and_a_log(
     bag = Bag(log)
     assert bag.closed
     assert bag.damage is None
-    time, speed = bag.scalars("motor/speed")
+    speed = bag.scalars("motor/speed")[1]
     sent = Bag(BAG).scalars("motor/speed")[1]
     assert len(speed) >= 0.99 * len(sent)
-    fed = bag.topics["/gear_monitor/input"].count
-    assert fed >= 0.99 * len(speed)
+    # All that the monitor heard; on a starved machine its queue may have overwritten what waited for seconds.
+    health = Health(peer)
+    assert sum(health.value(f"refused, {reason}") for reason in REASONS) == 0
+    assert health.value("samples accepted") >= 0.99 * health.value("speed messages") > 1000
+    assert bag.topics["/gear_monitor/input"].count >= health.value("samples accepted")
     forces = bag.joint("gear_monitor/mesh_force")
     assert np.isfinite(forces.effort["s1_s2/mean"]).all()
-    rpm = np.abs(speed) * 60 / (2 * np.pi)
     statuses = bag.statuses("gear_monitor/chaos_warning")
-    at = np.array([s.time for s in statuses])
-    level = np.array([s.level for s in statuses])
-    now = np.interp(at, time, rpm)
-    deep = (now > 1700) & (now < 1950) & (at > time[0]) & (at < time[-1])
+    told = [status.values["speed (r/min)"] for status in statuses]
+    said = np.array([np.nan if text == "unknown" else abs(float(text)) for text in told])
+    level = np.array([status.level for status in statuses])
+    # Of what was published when: a busy recorder takes topics late, and not each by as much. The ramps of 200 r/min a
+    # second change by 20 between two warnings; half of the warnings come with the sample that they judge.
+    at = np.array([each.publish_time_ns for each in bag.messages("gear_monitor/chaos_warning")])
+    sent_at = np.array([each.publish_time_ns for each in bag.messages("motor/speed")])
+    measured = np.interp(at, sent_at, np.abs(speed) * 60 / (2 * np.pi))
+    driven = (at > sent_at[0]) & (at < sent_at[-1])
+    assert np.nanmedian(np.abs(said - measured)[driven]) < 20
+    deep = driven & (said > 1700) & (said < 1950)
     assert deep.sum() > 50
     assert (level[deep] == ERROR).mean() > 0.98
-    creeping = (now > 1320) & (now < 1345) & (at > time[0]) & (at < time[-1])
+    creeping = driven & (said > 1320) & (said < 1345)
     assert np.isin(level[creeping], (WARN, ERROR)).mean() > 0.9
-    beyond = (now > 2125) & (at > time[0]) & (at < time[-1])
-    texts = [s.message for s, there in zip(statuses, beyond, strict=True) if there]
+    texts = [status.message for status, there in zip(statuses, driven & (said > 2125), strict=True) if there]
     # No band is known beyond the studied range; only the running model may still find the motion chaotic there.
     assert texts
     assert all("beyond the studied range" in text or "chaotic" in text or "holding" in text for text in texts)

@@ -12,7 +12,7 @@ import pytest
 import yaml
 from harness import Peer
 from monitored import Managed
-from ros import REAL_RCLPY
+from ros import REAL_RCLPY, program
 
 ROOT = Path(__file__).parents[2]
 PACKAGE = "seat_gear_dynamics"
@@ -118,6 +118,24 @@ def test_a_namespace_holds_nodes_and_topics(launch: Launch, peer: Peer) -> None:
     expected = {"/cell3/gear_monitor/mesh_force", "/cell3/motor/speed", "/diagnostics"}
     peer.wait(lambda: expected <= {name for name, _ in peer.node.get_topic_names_and_types()}, "the topics")
     assert Managed(peer, "/cell3/gear_monitor").state() in ("inactive", "active")
+
+
+@pytest.mark.ros
+@pytest.mark.skipif(
+    program("diagnostic_aggregator", "aggregator_node") is None, reason="diagnostic_aggregator is not installed"
+)
+def test_the_aggregator_that_it_starts_hears_the_nodes_of_a_namespace(launch: Launch, peer: Peer) -> None:
+    from diagnostic_msgs.msg import DiagnosticArray
+
+    heard: set[str] = set()
+
+    def hear(message: DiagnosticArray) -> None:
+        heard.update(each.name for each in message.status)
+
+    peer.node.create_subscription(DiagnosticArray, "/diagnostics_agg", hear, 10)
+    launch("record:=false", "namespace:=cell3", f"diagnostics:={AGGREGATED}")
+    wanted = {f"/seat bench/{part}/cell3 gear_monitor: {part}" for part in ("qos", "warning")}
+    peer.wait(lambda: wanted <= heard, "the groups")
 
 
 def _monitors_of(folder: Path) -> list[int]:

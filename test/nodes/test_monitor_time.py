@@ -7,6 +7,8 @@ import pytest
 from harness import Peer, Processes
 from monitored import Health, paced
 
+from seat_gear_dynamics.gears.units import RPM
+
 OK, WARN, ERROR, STALE = range(4)
 
 
@@ -49,6 +51,38 @@ def simulation(processes: Processes, peer: Peer) -> Simulation:
 def stamps(peer: Peer) -> list[int]:
     fed = peer.messages["gear_monitor/input"]
     return [each.header.stamp.sec * 1000 + each.header.stamp.nanosec // 10**6 for each in fed]
+
+
+@pytest.mark.parametrize("source", ["topics", "joint_states"])
+def test_what_comes_before_any_clock_is_refused_counted_once_it_runs_and_no_gap(
+    processes: Processes, peer: Peer, source: str
+) -> None:
+    from sensor_msgs.msg import JointState
+
+    monitor = processes.node("monitor", use_sim_time="true", input=source)
+    peer.wait_for_subscriber("motor/speed" if source == "topics" else "joint_states")
+    simulation, health = Simulation(peer), Health(peer)
+    state = JointState(name=["seat_height"], velocity=[900 * RPM], effort=[600.0])
+    state.header.stamp.sec = 50
+
+    def drive() -> None:
+        if source == "topics":
+            peer.drive(900.0)
+        else:
+            peer.publish("joint_states", state)
+
+    wanted = "input refused: use_sim_time is set and nothing came on /clock yet"
+    paced(peer, lambda: 0.01, drive, lambda: wanted in processes.words(monitor), "the line in the log")
+    assert not peer.messages["gear_monitor/input"]
+    assert not peer.messages["/diagnostics"], "its timers stand"
+
+    def tell() -> None:
+        simulation.now_ms += 10
+        simulation.tell()
+
+    paced(peer, lambda: 0.01, tell, lambda: health.value("refused, no clock") > 0, "the count")
+    # Had it been heard at the time 0, there would be a gap of the 50 s at which the clock begins.
+    assert max(health.value("speed longest gap (s)"), health.value("load longest gap (s)")) < 50
 
 
 def test_a_pause_stands_and_goes_on_and_a_step_back_starts_over(peer: Peer, simulation: Simulation) -> None:

@@ -5,13 +5,18 @@ from dataclasses import replace
 from html.parser import HTMLParser
 from pathlib import Path
 
+import numpy as np
 import pytest
 
-from seat_gear_dynamics.gears import load_train
+from seat_gear_dynamics.gears import load_train, packaged_description
+from seat_gear_dynamics.gears.units import RPM
 from seat_gear_dynamics.logs.analysis import Analysis, ModelSettings, analyse
 from seat_gear_dynamics.logs.analysis.tables import tables
+from seat_gear_dynamics.regimes import RegimeMap
+from seat_gear_dynamics.sensing import PACKAGED_MAP, MapBands
 from seat_gear_dynamics.views.analysis import figures, page, summary, summary_lines
 from seat_gear_dynamics.views.analysis.page import Picture
+from seat_gear_dynamics.views.analysis.words import stretch_words
 from seat_gear_dynamics.views.figures.style import save
 
 ROOT = Path(__file__).parents[2]
@@ -82,7 +87,7 @@ def test_the_page_carries_the_provenance(found: Analysis, pictures: list[Picture
         assert digest in text
     assert found.provenance.system_hash in text
     assert "1.2.3" in text
-    assert "as the monitor published them" in text
+    assert "forces, section points and warnings as logged" in text
     assert "prefers-color-scheme: dark" in text
 
 
@@ -107,12 +112,55 @@ def bare(tmp_path_factory: pytest.TempPathFactory) -> Analysis:
     return analyse(path, load_train(), model=SMALL)
 
 
+@pytest.fixture(scope="module")
+def on_a_map() -> Analysis:
+    """The analysis of a log that was recorded on the published bands, held against the packaged map."""
+    train = load_train()
+    with packaged_description().with_name(PACKAGED_MAP).open("rb") as file:
+        bands = MapBands(RegimeMap.load(file, train), train)
+    return analyse(ROOT / "bags" / "bench_dwell", train, bands=bands)
+
+
+def test_bands_that_follow_the_load_are_drawn_as_they_do(on_a_map: Analysis) -> None:
+    drawn = {each.name: each for each in figures(on_a_map)}
+    boxes = drawn["histories"].figure.axes[0].collections[-1].get_paths()
+    load = on_a_map.drive.mean("load")
+    known = [on_a_map.judged_by.at(at) for at in load[np.isfinite(load)].tolist()]
+    assert len(boxes) == sum(len(bands) for bands in known) > 0
+    low = min(path.vertices[:, 1].min() for path in boxes)
+    assert low == pytest.approx(min(band.low for bands in known for band in bands) / RPM)
+    assert len(drawn["trajectory"].figure.axes[0].collections) >= 3, "the dots, the hatch and its edge"
+    names = [label.get_text() for label in drawn["bands"].figure.axes[0].get_yticklabels()]
+    assert names == [stretch_words(stay) for stay in on_a_map.bands]
+    assert any("(forbidden) at 600 N·m" in name for name in names)
+    assert f"the bands at {on_a_map.load:.0f} N·m" in drawn["bifurcation"].caption
+
+
+def test_the_page_says_by_which_bands_and_that_the_monitor_had_others(on_a_map: Analysis) -> None:
+    text, label = page(on_a_map, [], version="0"), on_a_map.judged_by.label
+    assert f"bands of the {label}, which follow the load" in text
+    notice = f"judged by the published bands; here they are held against the bands of the {label}."
+    stated = replace(on_a_map, stated_bands=("published",))
+    assert notice in page(stated, [], version="0")
+    assert notice in "\n".join(summary_lines(stated))
+    assert "bands changed while the log ran" in page(
+        replace(stated, stated_bands=("published", label)), [], version="0"
+    )
+    assert "judged by the bands of" not in page(replace(stated, stated_bands=(label,)), [], version="0")
+    assert summary(stated)["judged_by"] == label
+
+
+def test_a_map_that_is_not_here_is_asked_for(found: Analysis) -> None:
+    text = "\n".join(summary_lines(replace(found, stated_bands=("map 0123",))))
+    assert "give its file with --map" in text
+
+
 def test_a_log_without_a_message_gives_a_page_and_figures_that_say_so(bare: Analysis, tmp_path: Path) -> None:
     for drawn in figures(bare):
         save(drawn.figure, tmp_path / f"{drawn.name}.png")
         assert (tmp_path / f"{drawn.name}.png").read_bytes().startswith(b"\x89PNG")
     assert "never stood long enough" in page(bare, [Picture(tmp_path / "bands.png", "Dwells", "", ())], version="0")
-    assert "no stay in a band and no ERROR" in summary_lines(bare)
+    assert not any("missed" in line or "ERROR" in line for line in summary_lines(bare)), "there is no warning at all"
     assert summary(bare)["bands"][0]["forces"]["s1_s2"]["mean"] is None
 
 
@@ -140,3 +188,24 @@ def test_the_summary_counts_what_the_analysis_found(found: Analysis) -> None:
     text = "\n".join(summary_lines(found))
     assert "1349-1359 r/min (forbidden)" in text
     assert "as logged" in text
+
+
+def test_a_killed_log_without_warnings_says_both_and_calls_nothing_missed() -> None:
+    found = analyse(ROOT / "bags" / "killed", load_train())
+    text, words, values = page(found, [], version="0"), "\n".join(summary_lines(found)), summary(found)
+    for said in (text, words):
+        assert "the log has no section points and no warnings" in said
+        assert "recorder was killed or still writes" in said
+        assert "missed" not in said
+    assert (values["closed"], values["warned"], values["detection"]) == (False, False, None)
+    assert "detection" not in {drawn.name for drawn in figures(found)} | set(tables(found))
+
+
+def test_the_page_says_what_the_recorder_noted() -> None:
+    found = analyse(ROOT / "bags" / "split_retained", load_train())
+    assert "retention let go of the first 4" in page(found, [], version="0")
+    more = replace(found.provenance, notes=(("failure", "the <disk> is full"), ("lost unread of /a", "17")))
+    text = page(replace(found, provenance=more), [], version="0")
+    assert "ended the log early: the &lt;disk&gt; is full" in text
+    assert "17 messages of /a were lost before" in text
+    assert "retention" not in text

@@ -55,7 +55,8 @@ def test_a_picture_comes_of_a_full_a_foreign_and_an_empty_run(what: str, tmp_pat
         nothing = (np.empty(0), np.empty(0))
         run = replace(run, speed=nothing, load=nothing, force=None, warnings=[], section=np.empty((0, 3)), flows=[])
     path = tmp_path / "report.png"
-    write_report(run, load_train().bands, path, load_scale=0.5)
+    boxes = np.array([(0.0, run.duration, band.low, band.high) for band in load_train().bands])
+    write_report(run, boxes, path, load_scale=0.5)
     data = path.read_bytes()
     assert data.startswith(b"\x89PNG")
     assert len(data) > 20_000

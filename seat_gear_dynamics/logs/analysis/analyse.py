@@ -22,9 +22,11 @@ from seat_gear_dynamics.logs.analysis.section_cloud import SectionCloud
 from seat_gear_dynamics.logs.analysis.side_by_side import Stretches
 from seat_gear_dynamics.logs.analysis.sources import Source
 from seat_gear_dynamics.logs.analysis.stream import Stream
+from seat_gear_dynamics.logs.analysis.zones import zones
 from seat_gear_dynamics.logs.flows import Flow
 from seat_gear_dynamics.logs.reader import Bag
 from seat_gear_dynamics.regimes import RegimeMap, Sweep
+from seat_gear_dynamics.sensing import BandSource, MapBands, PublishedBands
 
 BINS = 1500
 """Most bins of a time history."""
@@ -49,6 +51,10 @@ class Provenance:
     drive_topics: tuple[str, ...]
     estimated: bool
     """Forces, section and warnings were computed here: the log has none."""
+    closed: bool = True
+    """Whether the log was ended; not so where its recorder was killed or still writes."""
+    notes: tuple[tuple[str, str], ...] = ()
+    """What else the recorder says of the log, (what, value), but for its counts of messages."""
 
     @property
     def system_hash(self) -> str:
@@ -73,10 +79,14 @@ class Analysis:
     occupancy: Occupancy
     bands: tuple[BandStay, ...]
     levels: LevelSpans
+    judged_by: BandSource
+    """The bands that stays and warnings are held against; by them warnings were judged that were computed here."""
+    stated_bands: tuple[str, ...]
+    """Labels of the bands that the logged warnings name, in the order in which they came; the first few."""
     detection: Detection
-    """Against the forbidden bands of the system."""
+    """Against the forbidden bands of `judged_by`."""
     map_detection: Detection | None
-    """Against a regime map that was given; None without one."""
+    """Against what the map itself says at its nearest node, where the bands are a map's; else None."""
     dwells: Dwells
     cloud: SectionCloud
     restarts: tuple[tuple[float, str], ...]
@@ -87,6 +97,11 @@ class Analysis:
     """The model's, of the longest dwells, in order of time."""
     sweep: Sweep | None
     map: RegimeMap | None
+
+    @property
+    def warned(self) -> bool:
+        """Whether there is any warning, logged or computed here, to hold against stays."""
+        return bool(self.levels.spans)
 
     @property
     def drawn(self) -> list[Dwell]:
@@ -111,21 +126,22 @@ def analyse(
     *,
     source: Source | None = None,
     model: ModelSettings | None = None,
-    regime_map: RegimeMap | None = None,
+    bands: BandSource | None = None,
     processes: int = 1,
     tell: Tell | None = None,
 ) -> Analysis:
-    """Analyse the log at `path` with the bands and parameters of `train`.
+    """Analyse the log at `path` with the parameters of `train`, by `bands` (None: its published ones).
 
-    `source` says where speed and load stand; `model` what is computed beside the log (None: nothing); with
-    `regime_map` that map is used, for the trajectory and as a second truth for warnings. Memory is bounded but for the
-    reader's own index of chunks. Raises LogError for what is no log or holds no speed or load.
+    `source` says where speed and load stand; `model` what is computed beside the log (None: nothing). Where the bands
+    are a map's, the map is drawn behind the trajectory too, and is a second truth for warnings. Memory is bounded but
+    for the reader's own index of chunks. Raises LogError for what is no log or holds no speed or load.
     """
     report = tell or (lambda stage, done, total: None)
-    bag = Bag(path)
-    stream = Stream(bag, train, source, workers=processes)
+    bag, judged_by = Bag(path), bands or PublishedBands.of(train)
+    regime_map = judged_by.map if isinstance(judged_by, MapBands) else None
+    stream = Stream(bag, train, source, bands=judged_by, workers=processes)
     stage = "messages, through the model" if stream.estimated else "messages"
-    one = _Reductions(bag, train, regime_map)
+    one = _Reductions(bag, judged_by, regime_map)
     for batch in stream.batches(lambda done, total: report(stage, done, total)):
         one.add(batch)
     one.dwells.finish()
@@ -140,6 +156,8 @@ def analyse(
         train.text,
         stream.drive_topics,
         stream.estimated,
+        bag.closed,
+        tuple((key, value) for key, value in bag.custom_data.items() if not key.startswith("messages of ")),
     )
     return Analysis(
         provenance=provenance,
@@ -152,6 +170,8 @@ def analyse(
         occupancy=one.occupancy,
         bands=one.bands.found(),
         levels=one.levels,
+        judged_by=judged_by,
+        stated_bands=stream.stated_bands,
         detection=detect(one.in_band, one.levels),
         map_detection=detect(one.in_map, one.levels) if one.in_map else None,
         dwells=one.dwells,
@@ -178,15 +198,16 @@ def typical_load(occupancy: Occupancy) -> float:
 class _Reductions:
     """Everything that follows the batches."""
 
-    def __init__(self, bag: Bag, train: GearTrain, regime_map: RegimeMap | None) -> None:
+    def __init__(self, bag: Bag, judged_by: BandSource, regime_map: RegimeMap | None) -> None:
         end = (bag.end_ns - bag.start_ns) * 1e-9
         bins = int(np.clip(end * 10, 1, BINS))
         self.drive = Binned(("magnitude", "speed", "load"), 0.0, end, bins=bins)
         self.force = Binned(FORCE_NAMES, 0.0, end, bins=bins)
         self.occupancy = Occupancy()
-        self.bands = BandStays(train.bands)
+        cut = zones(judged_by)
+        self.bands = BandStays(cut)
         self.levels = LevelSpans()
-        self.in_band = DangerSpans(lambda drive: _inside(drive[:, 1], train))
+        self.in_band = DangerSpans(lambda drive: cut.forbidden(drive[:, 1], drive[:, 2]))
         self.in_map = DangerSpans(lambda drive: _chaotic(drive, regime_map)) if regime_map else None
         self.dwells = Dwells()
         self.cloud = SectionCloud()
@@ -205,12 +226,6 @@ class _Reductions:
         self.dwells.add(batch)
         self.cloud.add(batch.section)
         self.restarts += batch.restarts[: max(1000 - len(self.restarts), 0)]
-
-
-def _inside(speed: Array, train: GearTrain) -> NDArray[np.bool_]:
-    magnitude = np.abs(speed)
-    inside = [(magnitude >= band.low) & (magnitude <= band.high) for band in train.bands]
-    return np.any(inside, axis=0) if inside else np.zeros(len(speed), dtype=bool)
 
 
 def _chaotic(drive: Array, regime_map: RegimeMap) -> NDArray[np.bool_]:

@@ -2,29 +2,17 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import dataclass
 from itertools import pairwise
 
 import numpy as np
 from numpy.typing import NDArray
 
-from seat_gear_dynamics.gears import ForbiddenBand
 from seat_gear_dynamics.logs.analysis.batches import MESHES
 from seat_gear_dynamics.logs.analysis.occupancy import holds
+from seat_gear_dynamics.logs.analysis.zones import Stretch, Zones
 
 Array = NDArray[np.float64]
-
-
-@dataclass(frozen=True)
-class Stretch:
-    """A range of |speed|: a forbidden band, or what lies between two."""
-
-    low: float
-    """rad/s of s1"""
-    high: float
-    """rad/s of s1; infinity for what lies above the last band."""
-    forbidden: bool
 
 
 @dataclass(frozen=True)
@@ -52,28 +40,15 @@ class BandStay:
     forces: dict[str, MeshForces]
 
 
-def stretches(bands: Sequence[ForbiddenBand]) -> tuple[Stretch, ...]:
-    """Return all speeds from 0 up cut into forbidden bands and what lies between, in order.
-
-    Bands, at whatever load they hold, must not overlap.
-    """
-    ordered = sorted(bands, key=lambda band: band.low)
-    edges = [0.0, *(edge for band in ordered for edge in (band.low, band.high)), np.inf]
-    cuts = [Stretch(low, high, bool(i % 2)) for i, (low, high) in enumerate(pairwise(edges))]
-    return tuple(cut for cut in cuts if cut.high > cut.low)
-
-
 class BandStays:
-    """Sums time and forces by stretch of |speed|; windows of force count with the speed at their end."""
+    """Sums time and forces by stretch of |speed|; windows of force count with the speed and load at their end."""
 
-    def __init__(self, bands: Sequence[ForbiddenBand]) -> None:
-        self.stretches = stretches(bands)
-        n = len(self.stretches)
-        self._lows = np.array([stretch.low for stretch in self.stretches])
-        self._seconds, self._longest, self._visits = np.zeros(n), np.zeros(n), np.zeros(n, dtype=np.int64)
-        self._force = np.zeros((n, 2, 2))  # integrals of force and of its square
-        self._extremes = np.tile(np.array([np.inf, -np.inf]), (n, 2, 1))
-        self._force_seconds = np.zeros(n)
+    def __init__(self, cut: Zones) -> None:
+        self._zones = cut
+        self._seconds, self._longest, self._visits = np.zeros(0), np.zeros(0), np.zeros(0, dtype=np.int64)
+        self._force = np.zeros((0, 2, 2))  # integrals of force and of its square
+        self._extremes = np.zeros((0, 2, 2))
+        self._force_seconds = np.zeros(0)
         self._place, self._stay = -1, 0.0
         self._before: float | None = None
         self._force_before: float | None = None
@@ -86,15 +61,30 @@ class BandStays:
             self._add_force(force)
 
     def found(self) -> tuple[BandStay, ...]:
-        """Return what each stretch saw, by speed."""
+        """Return what each stretch saw, by load and speed; what lies outside a map comes last."""
         self._end_visit()
-        return tuple(self._stay_in(i) for i in range(len(self.stretches)))
+        known = self._zones.stretches()
+        self._make_room(len(known))
+        order = sorted(range(len(known)), key=lambda i: (known[i].outside, known[i].load or 0.0, known[i].low))
+        return tuple(self._stay_in(i, known[i]) for i in order)
 
-    def _where(self, speed: Array) -> NDArray[np.int64]:
-        return np.searchsorted(self._lows, np.abs(speed), side="right") - 1
+    def _where(self, speed: Array, load: Array) -> NDArray[np.int64]:
+        where = self._zones.where(speed, load)
+        self._make_room(int(where.max(initial=-1)) + 1)
+        return where
+
+    def _make_room(self, count: int) -> None:
+        more = count - len(self._seconds)
+        if more <= 0:
+            return
+        self._seconds, self._longest, self._visits, self._force, self._force_seconds = (
+            np.concatenate([values, np.zeros((more, *values.shape[1:]), dtype=values.dtype)])
+            for values in (self._seconds, self._longest, self._visits, self._force, self._force_seconds)
+        )
+        self._extremes = np.concatenate([self._extremes, np.tile(np.array([np.inf, -np.inf]), (more, 2, 1))])
 
     def _add_drive(self, drive: Array) -> None:
-        where, seconds = self._where(drive[:, 1]), holds(drive[:, 0], self._before)
+        where, seconds = self._where(drive[:, 1], drive[:, 2]), holds(drive[:, 0], self._before)
         self._before = float(drive[-1, 0])
         self._seconds += np.bincount(where, seconds, len(self._seconds))
         starts = np.flatnonzero(np.diff(where, prepend=self._place))
@@ -114,7 +104,7 @@ class BandStays:
         known = force[np.isfinite(force).all(axis=1)]
         if not len(known):
             return
-        where, seconds = self._where(known[:, 9]), holds(known[:, 0], self._force_before)
+        where, seconds = self._where(known[:, 9], known[:, 10]), holds(known[:, 0], self._force_before)
         self._force_before = float(known[-1, 0])
         self._force_seconds += np.bincount(where, seconds, len(self._force_seconds))
         for mesh in range(2):
@@ -124,10 +114,10 @@ class BandStays:
             np.minimum.at(self._extremes[:, mesh, 0], where, least)
             np.maximum.at(self._extremes[:, mesh, 1], where, most)
 
-    def _stay_in(self, i: int) -> BandStay:
+    def _stay_in(self, i: int, stretch: Stretch) -> BandStay:
         forces = {mesh: self._forces_in(i, m) for m, mesh in enumerate(MESHES)}
         return BandStay(
-            self.stretches[i],
+            stretch,
             float(self._seconds[i]),
             int(self._visits[i]),
             float(self._longest[i]),

@@ -15,7 +15,7 @@ from seat_gear_dynamics.logs.analysis.batches import (
     empty,
 )
 from seat_gear_dynamics.logs.analysis.seam import Phase, Seam
-from seat_gear_dynamics.sensing import AlarmSettings, Change, Reading, RejectedSampleError, Session
+from seat_gear_dynamics.sensing import AlarmSettings, BandSource, Change, Reading, RejectedSampleError, Session
 
 _FORCE_PERIOD = 0.02  # s, the monitor's default
 _WARNING_PERIOD = 0.1  # s, likewise
@@ -29,9 +29,17 @@ class Estimate:
     Limit: silence is not seen, so a gap shows as a restart of the model and not as a STALE warning.
     """
 
-    def __init__(self, train: GearTrain, settings: AlarmSettings | None = None, *, max_gap: float = MAX_GAP) -> None:
+    def __init__(
+        self,
+        train: GearTrain,
+        settings: AlarmSettings | None = None,
+        *,
+        bands: BandSource | None = None,
+        max_gap: float = MAX_GAP,
+    ) -> None:
+        """Begin at rest; warnings are judged by `bands`, by the published ones without."""
         self._train = train
-        self._session = Session(train, settings=settings, max_gap=max_gap)
+        self._session = Session(train, settings=settings, bands=bands, max_gap=max_gap)
         self._recent = Recent()
         self._forces_due = self._warning_due = -np.inf
 

@@ -41,6 +41,11 @@ class Binned:
         """The bins' middles, s, shape (bins,)."""
         return np.asarray(self._begin + (np.arange(len(self._sum)) + 0.5) * self._width)
 
+    @property
+    def width(self) -> float:
+        """How long a bin is, s."""
+        return self._width
+
     def least(self, name: str) -> Array:
         """Return the smallest value of each bin, (bins,)."""
         return np.asarray(self._least[:, self.names.index(name)])

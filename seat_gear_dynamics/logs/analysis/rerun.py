@@ -18,89 +18,21 @@ from seat_gear_dynamics.logs.analysis.batches import FORCE_NAMES, MESHES, Warned
 from seat_gear_dynamics.logs.analysis.detection import LevelSpans
 from seat_gear_dynamics.logs.analysis.first_window import FirstWindow
 from seat_gear_dynamics.logs.analysis.force_totals import ForceTotals
-from seat_gear_dynamics.logs.analysis.message_bytes import Joint, JointDecoder
+from seat_gear_dynamics.logs.analysis.message_bytes import Joint
 from seat_gear_dynamics.logs.analysis.occupancy import LONGEST_HOLD
+from seat_gear_dynamics.logs.analysis.rerun_result import Compared, Rerun
 from seat_gear_dynamics.logs.analysis.resumption import Resumption, resumption
-from seat_gear_dynamics.logs.analysis.sources import holds
+from seat_gear_dynamics.logs.analysis.setting_changes import SettingChange, apply, setting_changes
+from seat_gear_dynamics.logs.analysis.timed import CLOUD, FORCE, INPUT, SETTINGS, STATE, WARNING, sequences
 from seat_gear_dynamics.logs.analysis.what_if import MonitorSettings, recorded_bands
 from seat_gear_dynamics.logs.errors import LogError
 from seat_gear_dynamics.logs.reader import Bag
-from seat_gear_dynamics.logs.schemas import Decoder
 from seat_gear_dynamics.sensing import ForceWindow, RejectedSampleError, Session
 
 _SILENCE = ("no speed", "no load", "no input", "reset")
 """How a warning begins that came of silence or a reset: inputs alone do not show when."""
 _AGO = 1_000_000_000  # ns back to look for the sample that a logged warning speaks of
 _LAYOUT = np.dtype([("x", "<f4"), ("y", "<f4"), ("z", "<f4"), ("t", "<f8")])
-Timed = tuple[int, int, Any]
-"""(stamp in ns, rank, what came); inputs have rank 0 and go before outputs of the same stamp."""
-_INPUT, _FORCE, _STATE, _CLOUD, _WARNING = range(5)
-
-
-@dataclass
-class Compared:
-    """How the messages of one topic compared."""
-
-    topic: str
-    messages: int = 0
-    equal: int = 0
-    first_difference: str | None = None
-    """Stamp (or log time), what, and both values; None where all are equal."""
-
-    def take(self, at: str, difference: str | None) -> None:
-        """Count one message."""
-        self.messages += 1
-        if difference is None:
-            self.equal += 1
-        elif self.first_difference is None:
-            self.first_difference = f"{at}: {difference}"
-
-
-@dataclass(frozen=True)
-class Rerun:
-    """A finished replay."""
-
-    samples: int
-    """Inputs fed."""
-    begins: str
-    """`first input`, or `model state` where the log begins amid a run; then sections and warnings are not compared."""
-    topics: tuple[Compared, ...]
-    windows_before_log: int
-    """1 where the window of the first force message began at a message before it that the log does not hold, else 0.
-
-    It is equal bit for bit from a later sample on; it is counted here and not among those that were compared.
-    """
-    silences: int
-    """Warnings of silence or a reset, which are taken over from the log and not compared."""
-    forces: dict[str, tuple[dict[str, float], dict[str, float]]]
-    """Mesh → (logged, replayed) mean, min, max and rms over all compared messages, N."""
-    level_seconds: tuple[dict[int, float], dict[int, float]]
-    """s by warning level, as logged and as replayed."""
-    bands: tuple[str | None, str]
-    """Label of the bands that warnings were judged by: as the log says (None: it does not), and in the replay."""
-    damage: str | None
-    """What of the log could not be read: where inputs are missing, all that follows differs."""
-
-    @property
-    def messages(self) -> int:
-        """Logged force messages that were compared."""
-        return self.topics[0].messages
-
-    @property
-    def equal(self) -> int:
-        """Of these, equal bit for bit in all eight statistics."""
-        return self.topics[0].equal
-
-    @property
-    def first_difference(self) -> str | None:
-        """The first difference by topic, forces before all; None where all are equal."""
-        found = (f"{t.topic}, {t.first_difference}" for t in self.topics if t.first_difference)
-        return next(found, None)
-
-    @property
-    def identical(self) -> bool:
-        """Whether every message that was compared is equal."""
-        return all(t.equal == t.messages for t in self.topics)
 
 
 def rerun(
@@ -113,8 +45,9 @@ def rerun(
 
     Forces, mesh states and sections are compared bit for bit, warnings by level and text with what the session said
     within a second before. Equal on the same build where `train` and `settings` are the monitor's, nothing reset it,
-    its clock did not step back, and no message is missing but forces before the first in the log (see `Rerun`).
-    Memory does not grow with the log. `progress` is told (samples fed, in all).
+    its clock did not step back, and no message is missing but forces before the first in the log (see `Rerun`). Where
+    the log holds `/parameter_events`, thresholds that were changed change with the same input; of those that `settings`
+    names as given nothing is followed. Memory does not grow with the log. `progress` is told (samples fed, in all).
 
     Raises LogError where the log holds no such inputs or no forces. Limit: a log that begins amid a run without a
     model state is started at rest, and differs until the motion has forgotten that; chaos never does.
@@ -122,49 +55,29 @@ def rerun(
     bag = Bag(path)
     bag.resolve(topics.MODEL_INPUT.name), bag.resolve(topics.MESH_FORCE.name)
     start = resumption(bag)
-    run = _Run(train, settings or MonitorSettings(), start, recorded_bands(bag))
+    changes = setting_changes(bag)
+    settings, later = _at_start(bag, settings or MonitorSettings(), changes or [])
+    run = _Run(train, settings, start, recorded_bands(bag), bag.start_ns)
     total = bag.topics[bag.resolve(topics.MODEL_INPUT.name)].count
-    for stamp, rank, message in heapq.merge(*_sequences(bag, amid=start.state is not None), key=lambda x: x[:2]):
-        if stamp <= start.after_ns and rank != _WARNING:
+    for stamp, rank, message in heapq.merge(*sequences(bag, later, amid=start.state is not None), key=lambda x: x[:2]):
+        if stamp <= start.after_ns and rank not in (WARNING, SETTINGS):
             continue
         run.take(stamp, rank, message)
-        if rank == _INPUT and progress is not None and run.samples % 500 == 0:
+        if rank == INPUT and progress is not None and run.samples % 500 == 0:
             progress(run.samples, total)
-    return run.finish(bag.damage)
+    return run.finish(bag.damage, None if changes is None else len(changes))
 
 
-def _sequences(bag: Bag, *, amid: bool) -> list[Iterator[Timed]]:
-    """Return each topic of the bag as a sequence in order of its stamps."""
-    found = [_joints(bag, topics.MODEL_INPUT, _INPUT), _joints(bag, topics.MESH_FORCE, _FORCE)]
-    if holds(bag, topics.MESH_STATE.name):
-        found.append(_joints(bag, topics.MESH_STATE, _STATE))
-    if not amid:
-        if holds(bag, topics.POINCARE.name):
-            found.append(_clouds(bag))
-        if holds(bag, topics.CHAOS_WARNING.name):
-            found.append(_warnings(bag))
-    return found
-
-
-def _joints(bag: Bag, topic: topics.Topic, rank: int) -> Iterator[Timed]:
-    decoder = JointDecoder()
-    for message in bag.messages(topic.name):
-        joint = decoder.decode(message.data)
-        yield joint.stamp_ns, rank, joint
-
-
-def _clouds(bag: Bag) -> Iterator[Timed]:
-    decoder = Decoder({})
-    for message in bag.messages(topics.POINCARE.name):
-        cloud = decoder.decode(message.data, topics.POINT_CLOUD)
-        yield cloud.header.stamp.sec * 1_000_000_000 + cloud.header.stamp.nanosec, _CLOUD, cloud
-
-
-def _warnings(bag: Bag) -> Iterator[Timed]:
-    decoder = Decoder({})
-    for message in bag.messages(topics.CHAOS_WARNING.name):
-        status = decoder.decode(message.data, topics.DIAGNOSTIC_STATUS)
-        yield message.log_time_ns, _WARNING, status
+def _at_start(
+    bag: Bag, settings: MonitorSettings, changes: list[SettingChange]
+) -> tuple[MonitorSettings, list[SettingChange]]:
+    """Return the settings by which the first input was judged, and the changes behind it."""
+    first = next(iter(bag.messages(topics.MODEL_INPUT.name)), None)
+    begin = 0 if first is None else first.publish_time_ns or first.log_time_ns
+    for change in changes:
+        if change.publish_ns < begin:
+            settings = apply(settings, change)
+    return settings, [change for change in changes if change.publish_ns >= begin]
 
 
 @dataclass
@@ -191,8 +104,9 @@ class _Run:
     """The session under way and what has been compared so far."""
 
     def __init__(
-        self, train: GearTrain, settings: MonitorSettings, start: Resumption, recorded_bands: str | None
+        self, train: GearTrain, settings: MonitorSettings, start: Resumption, recorded_bands: str | None, begin_ns: int
     ) -> None:
+        self._settings, self._begin_ns = settings, begin_ns
         self._session = Session(
             train,
             settings=settings.alarm,
@@ -216,18 +130,20 @@ class _Run:
         self._first_ns: int | None = None
 
     def take(self, stamp: int, rank: int, message: Any) -> None:
-        if rank == _INPUT:
+        if rank == INPUT:
             self._feed(stamp, message)
-        elif rank == _FORCE:
+        elif rank == FORCE:
             self._force(stamp, message)
-        elif rank == _STATE:
+        elif rank == SETTINGS:
+            self._adopt(apply(self._settings, message))
+        elif rank == STATE:
             self._compared[1].take(f"stamp {stamp} ns", self._state(message))
-        elif rank == _CLOUD:
+        elif rank == CLOUD:
             self._compared[2].take(f"stamp {stamp} ns", self._cloud(message))
         else:
             self._warning(stamp, message)
 
-    def finish(self, damage: str | None) -> Rerun:
+    def finish(self, damage: str | None, changes: int | None) -> Rerun:
         logged: defaultdict[int, float] = defaultdict(float)
         for (level, _), seconds in self._logged.seconds.items():
             logged[level] += seconds
@@ -242,7 +158,16 @@ class _Run:
             (dict(logged), dict(self._replayed.seconds)),
             self._bands,
             damage,
+            changes,
         )
+
+    def _adopt(self, settings: MonitorSettings) -> None:
+        """Do as the monitor does when its parameters change: the next sample is judged by them, afresh."""
+        self._settings = settings
+        if settings.alarm != self._session.alarm.settings:
+            self._session.alarm.settings = settings.alarm
+            self._session.alarm.reset()
+        self._session.sensor.max_gap = settings.max_gap
 
     def _feed(self, stamp: int, joint: Joint) -> None:
         self.samples += 1
@@ -316,7 +241,8 @@ class _Run:
             return
         last = self._said[-1] if self._said else None
         again = f"level {last.level}, {last.text!r}" if last else "nothing"
-        self._compared[3].take(f"log time {log_ns} ns", f"level {level}, {text!r} in the log and {again} replayed")
+        at = f"log time {log_ns} ns ({(log_ns - self._begin_ns) * 1e-9:.2f} s into the log)"
+        self._compared[3].take(at, f"level {level}, {text!r} in the log and {again} replayed")
 
 
 def _statistics(windows: tuple[ForceWindow, ForceWindow]) -> list[float]:

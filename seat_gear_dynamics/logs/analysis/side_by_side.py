@@ -22,6 +22,7 @@ from seat_gear_dynamics.logs.analysis.batches import DRIVE_COLUMNS, Array, Batch
 from seat_gear_dynamics.logs.analysis.estimate import MAX_GAP, Estimate
 from seat_gear_dynamics.logs.analysis.seam import Join, Phase, Seam
 from seat_gear_dynamics.logs.errors import LogError
+from seat_gear_dynamics.sensing import BandSource
 
 STRETCH = 60.0
 """s of drive in a stretch at least. It ends within as much again, where the drive was slowest; a shorter log is one."""
@@ -73,9 +74,18 @@ class SideBySide:
     with the run-in, so a steady drive's may be judged again at other moments than in a single session.
     """
 
-    def __init__(self, train: GearTrain, *, workers: int = 1, stretch: float = STRETCH, run_in: float = RUN_IN) -> None:
+    def __init__(
+        self,
+        train: GearTrain,
+        *,
+        bands: BandSource | None = None,
+        workers: int = 1,
+        stretch: float = STRETCH,
+        run_in: float = RUN_IN,
+    ) -> None:
+        """Take the bands by which warnings are judged (None: the published ones), and lengths in s."""
         self.stretches = Stretches()
-        self._train, self._workers = train, max(workers, 1)
+        self._machine, self._workers = _Machine(train, bands), max(workers, 1)
         self._phase, self._seams = _Integral(train), Phase(train)
         self._stretch, self._run_in = stretch, run_in
         self._before = empty((*DRIVE_COLUMNS, "phase"))
@@ -87,7 +97,7 @@ class SideBySide:
 
     def batches(self, recorded: Iterable[Batch]) -> Iterator[Batch]:
         """Yield the batches of `recorded` filled; a few stretches later than they came."""
-        with _pool(self._train, self._workers) as pool:
+        with _pool(self._machine, self._workers) as pool:
             for batch in recorded:
                 self._take(batch)
                 if self._length(len(self._open)) >= 2 * self._stretch:
@@ -176,19 +186,26 @@ def _result(future: Future[_Done]) -> _Done:
         ) from cause
 
 
-_train: GearTrain | None = None
+class _Machine(NamedTuple):
+    """What is marched, and by which bands it is warned of."""
+
+    train: GearTrain
+    bands: BandSource | None
 
 
-def _use(train: GearTrain) -> None:
-    """Keep the train in this process."""
-    global _train
-    _train = train
+_machine: _Machine | None = None
+
+
+def _use(machine: _Machine) -> None:
+    """Keep the machine in this process."""
+    global _machine
+    _machine = machine
 
 
 def _march(job: _Job) -> _Done:
     """March a stretch after its run-in, whose own results are dropped."""
-    assert _train is not None, "the process was started with a train"
-    estimate = Estimate(_train)
+    assert _machine is not None, "the process was started with a machine"
+    estimate = Estimate(_machine.train, bands=_machine.bands)
     if len(job.run_in):
         estimate.begin(job.run_in[0], job.phase)
         estimate.extend(Batch(drive=job.run_in[1:]))
@@ -220,9 +237,9 @@ class _Here(Executor):
         return future
 
 
-def _pool(train: GearTrain, workers: int) -> Executor:
+def _pool(machine: _Machine, workers: int) -> Executor:
     if workers == 1:
-        _use(train)
+        _use(machine)
         return _Here()
     # Spawned: a fork would copy the locks of numba's and the plots' threads as they happen to stand.
-    return ProcessPoolExecutor(workers, mp_context=get_context("spawn"), initializer=_use, initargs=(train,))
+    return ProcessPoolExecutor(workers, mp_context=get_context("spawn"), initializer=_use, initargs=(machine,))

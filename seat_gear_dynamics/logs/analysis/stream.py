@@ -25,15 +25,18 @@ from seat_gear_dynamics.logs.analysis.batches import (
 from seat_gear_dynamics.logs.analysis.message_bytes import JointDecoder
 from seat_gear_dynamics.logs.analysis.side_by_side import SideBySide, Stretches
 from seat_gear_dynamics.logs.analysis.sources import Read, Source, holds, readers
+from seat_gear_dynamics.logs.analysis.what_if import BANDS_KEY
 from seat_gear_dynamics.logs.errors import LogError
 from seat_gear_dynamics.logs.flows import Flows
 from seat_gear_dynamics.logs.reader import Bag
 from seat_gear_dynamics.logs.run import CloudPoints
 from seat_gear_dynamics.logs.schemas import Decoder
+from seat_gear_dynamics.sensing import BandSource
 
 BATCH_SECONDS = 10.0
 _TURN = 15 * RPM  # rad/s that |speed| has to move for its direction to be believed: beyond Hall steps and noise
 _OTHER_CLOCK = 10_000_000_000  # ns between stamp and log time from which stamps are of another clock (simulated time)
+_MOST_LABELS = 8  # of bands that are kept: a monitor that takes one map after the other is not met
 _WORTH_IT = 180.0  # s of log from which the start of further processes pays
 Handle = Callable[[int, bytes], None]
 
@@ -51,12 +54,14 @@ class Stream:
         train: GearTrain,
         source: Source | None = None,
         *,
+        bands: BandSource | None = None,
         seconds: float = BATCH_SECONDS,
         workers: int = 1,
     ) -> None:
         """Choose the topics; raises `LogError` where the bag has no speed or no load, and for less than one worker.
 
-        Outputs that a long log does not hold are computed by `workers` processes; how many changes no bit of them.
+        Outputs that a log does not hold are computed, warnings by `bands` (None: the published ones), those of a long
+        log by `workers` processes; how many changes no bit of them.
         """
         if workers < 1:
             raise LogError(f"The number of processes is {workers}, expected at least 1.")
@@ -65,7 +70,8 @@ class Stream:
         self.estimated = not holds(bag, topics.MESH_FORCE.name)
         """Whether forces, section and warnings are computed here, because the log has none."""
         length = (bag.end_ns - bag.start_ns) * 1e-9
-        self._estimated = SideBySide(train, workers=workers if length > _WORTH_IT else 1) if self.estimated else None
+        workers = workers if length > _WORTH_IT else 1
+        self._estimated = SideBySide(train, bands=bands, workers=workers) if self.estimated else None
         self._seconds = seconds
         self._drive_readers = readers(bag, source or Source())
         self._handlers: dict[str, Handle] = {}
@@ -78,12 +84,18 @@ class Stream:
         self._speed: float | None = None
         self._load: float | None = None
         self._last = -np.inf
+        self._stated: dict[str, None] = {}
         self._clear()
 
     @property
     def stretches(self) -> Stretches | None:
         """In how many stretches outputs were computed, and how many of them in a row; None where they were logged."""
         return self._estimated.stretches if self._estimated is not None else None
+
+    @property
+    def stated_bands(self) -> tuple[str, ...]:
+        """Labels of the bands that the warnings read so far name, in the order in which they came; the first few."""
+        return tuple(self._stated)
 
     @property
     def drive_topics(self) -> tuple[str, ...]:
@@ -165,6 +177,8 @@ class Stream:
     def _take_warning(self, log_ns: int, data: bytes) -> None:
         message: Any = self._decoder.decode(data, topics.DIAGNOSTIC_STATUS)
         values = {value.key: value.value for value in message.values}
+        if BANDS_KEY in values and len(self._stated) < _MOST_LABELS:
+            self._stated[values[BANDS_KEY]] = None
         t = (log_ns - self.bag.start_ns) * 1e-9
         self._warnings.append(Warned(t, int(message.level), message.message, values.get("regime", "undecided")))
 

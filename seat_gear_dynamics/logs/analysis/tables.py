@@ -31,10 +31,7 @@ def tables(found: Analysis) -> dict[str, Table]:
         "warnings": _levels(found),
         "trajectory": _trajectory(found),
         "bands": _bands(found),
-        "detection": _episodes(found.detection),
-        **({"detection_map": _episodes(found.map_detection)} if found.map_detection else {}),
-        "false_warnings": _false(found.detection),
-        "regimes_by_level": _regimes(found),
+        **(_warned(found) if found.warned else {}),
         "bifurcation": _recorded(found),
         "topics": _topics(found),
         "dwells": _dwells(found.dwells.rows),
@@ -130,6 +127,8 @@ def _trajectory(found: Analysis) -> Table:
 
 def _bands(found: Analysis) -> Table:
     columns: dict[str, Any] = {
+        "load of the map (N·m)": [stay.stretch.load for stay in found.bands],
+        "outside the map": [stay.stretch.outside for stay in found.bands],
         "from (r/min)": [stay.stretch.low / RPM for stay in found.bands],
         "to (r/min)": [stay.stretch.high / RPM if np.isfinite(stay.stretch.high) else None for stay in found.bands],
         "forbidden": [stay.stretch.forbidden for stay in found.bands],
@@ -142,6 +141,16 @@ def _bands(found: Analysis) -> Table:
             values = [getattr(stay.forces[mesh], statistic) for stay in found.bands]
             columns[f"{mesh} force {statistic} (N)"] = values
     return columns
+
+
+def _warned(found: Analysis) -> dict[str, Table]:
+    """Return what holds warnings against stays: of a log without warnings every stay would be called missed."""
+    return {
+        "detection": _episodes(found.detection),
+        **({"detection_map": _episodes(found.map_detection)} if found.map_detection else {}),
+        "false_warnings": _false(found.detection),
+        "regimes_by_level": _regimes(found),
+    }
 
 
 def _episodes(found: Detection) -> Table:

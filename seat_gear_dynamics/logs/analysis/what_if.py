@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from dataclasses import replace
 from fnmatch import fnmatch
 from typing import Any, NamedTuple
 
@@ -39,6 +40,8 @@ class MonitorSettings(NamedTuple):
     section_points: int = 256
     bands: BandSource | None = None
     """None: the published ones."""
+    given: frozenset[str] = frozenset()
+    """The monitor's names of those that were asked for: what a log tells of them does not count."""
 
 
 def monitor_settings(given: Mapping[str, str]) -> MonitorSettings:
@@ -53,16 +56,26 @@ def monitor_settings(given: Mapping[str, str]) -> MonitorSettings:
                 f"The parameter {name!r} is unknown; expected one of {', '.join(MONITOR_NAMES)}, or a parameter of the "
                 f"system by its path, such as meshes.s1_s2.damping_ratio."
             )
+    return with_numbers(MonitorSettings(given=frozenset(given)), values)
+
+
+def with_numbers(settings: MonitorSettings, values: Mapping[str, float]) -> MonitorSettings:
+    """Return `settings` with those of `values` (monitor's name, of MONITOR_NAMES → number in its unit) replaced.
+
+    Raises LogError for an impossible number.
+    """
     alarm = {_ALARM[name][0]: value * _ALARM[name][1] for name, value in values.items() if name in _ALARM}
-    gap, points = values.get("input_timeout", 0.5), values.get("section_points", 256)
+    gap = values.get("input_timeout", settings.max_gap)
+    points = values.get("section_points", settings.section_points)
     if gap <= 0 or points < 1:
         raise LogError(
             f"input_timeout is {gap:g} s and section_points {points:g}; expected more than 0 and at least 1."
         )
     try:
-        return MonitorSettings(AlarmSettings(**alarm), gap, int(points))
+        alarm_settings = replace(settings.alarm, **alarm)
     except ValueError as error:
         raise LogError(str(error)) from error
+    return settings._replace(alarm=alarm_settings, max_gap=gap, section_points=int(points))
 
 
 def recorded_bands(bag: Bag) -> str | None:

@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from seat_gear_dynamics.runtime.wire import collect
+from seat_gear_dynamics.runtime.wire.entity import ReaderEndpoint
 from seat_gear_dynamics.runtime.wire.library import checked, delete, library
 
 Integers = NDArray[np.int64]
@@ -80,7 +81,7 @@ class Sink:
         return Taken(slot, offset, size, published, arrived, self._data[:used].copy())
 
 
-class CountedReader:
+class CountedReader(ReaderEndpoint):
     """A keep-last DDS reader of serialized samples; `number` stands for it in what it puts into a sink.
 
     Raises `RCLError` when DDS refuses. Only for types without keys, which all of ROS 2's common interfaces are. Its
@@ -96,8 +97,7 @@ class CountedReader:
         function = ct.c_void_p(collect.arrive.address)
         rule = _Filter(_SAMPLE_INFO_FILTER, function, self._account.ctypes.data)
         checked(library().dds_set_topic_filter_extended(topic._ref, ct.byref(rule)), "counting arrivals")
-        self.entity = make_reader(topic)
-        self._ref = self.entity._ref
+        super().__init__(make_reader(topic))
         self._take = library().dds_take_with_collector
         self._collector = collect.collect.address
 
@@ -124,18 +124,9 @@ class CountedReader:
         waiting = int(self._account[collect.ARRIVED] - self._account[collect.NEXT])
         return int(self._account[collect.LOST]) + max(0, waiting - self._depth) + int(status.total)
 
-    def gid(self) -> bytes:
-        """Return the 16 bytes that name this reader on the network."""
-        identifier: bytes = self.entity.guid.bytes
-        return identifier
-
-    def matched(self) -> int:
-        """Return how many writers are matched now."""
-        return int(library().dds_get_matched_publications(self._ref, None, 0))
-
     def close(self) -> None:
         """Delete the reader, and with it the topic that counts for it."""
-        delete(self.entity)
+        super().close()
         delete(self._topic)
 
 

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 from seat_gear_dynamics.runtime.exceptions import RCLError
 from seat_gear_dynamics.runtime.wire import types as wire_types
 from seat_gear_dynamics.runtime.wire.domain import domains
+from seat_gear_dynamics.runtime.wire.entity import ReaderEndpoint, WriterEndpoint
 from seat_gear_dynamics.runtime.wire.library import checked, delete, library
 
 if TYPE_CHECKING:
@@ -17,14 +18,13 @@ _ANY_STATE = 0x7F
 _OK, _TIMEOUT = 0, -10
 
 
-class Writer:
+class Writer(WriterEndpoint):
     """A DDS writer that takes serialized bytes."""
 
     def __init__(self, entity: Any) -> None:
         from cyclonedds._clayer import ddspy_write
 
-        self.entity = entity
-        self._ref = entity._ref
+        super().__init__(entity)
         self._write = ddspy_write
 
     def write(self, data: bytes) -> None:
@@ -37,16 +37,6 @@ class Writer:
         code = self._write(self._ref, data + b"\0" * (4 - odd) if odd else data)
         if code < 0:
             checked(code, "writing a sample")
-
-    def gid(self) -> bytes:
-        """Return the 16 bytes that name this writer on the network."""
-        identifier: bytes = self.entity.guid.bytes
-        return identifier
-
-    def matched(self) -> int:
-        """Return how many readers are matched now."""
-        # Not through the matched status: reading that would eat the changes a matched event reports.
-        return int(library().dds_get_matched_subscriptions(self._ref, None, 0))
 
     def wait_for_acks(self, nanoseconds: int) -> bool:
         """Wait until reliable readers have everything; return whether they do.
@@ -61,19 +51,14 @@ class Writer:
         """Say that this writer is alive."""
         checked(library().dds_assert_liveliness(self._ref), "asserting liveliness")
 
-    def close(self) -> None:
-        """Delete the writer."""
-        delete(self.entity)
 
-
-class Reader:
+class Reader(ReaderEndpoint):
     """A DDS reader that gives serialized bytes, with a condition to wait on."""
 
     def __init__(self, entity: Any) -> None:
         from cyclonedds._clayer import ddspy_take
 
-        self.entity = entity
-        self._ref = entity._ref
+        super().__init__(entity)
         self._take = ddspy_take
         self.condition = checked(library().dds_create_readcondition(self._ref, _ANY_STATE), "creating a read condition")
 
@@ -87,19 +72,6 @@ class Reader:
             checked(taken, "taking samples")
             return []
         return [sample for sample in taken if sample[1].valid_data]
-
-    def gid(self) -> bytes:
-        """Return the 16 bytes that name this reader on the network."""
-        identifier: bytes = self.entity.guid.bytes
-        return identifier
-
-    def matched(self) -> int:
-        """Return how many writers are matched now."""
-        return int(library().dds_get_matched_publications(self._ref, None, 0))
-
-    def close(self) -> None:
-        """Delete the reader and its condition."""
-        delete(self.entity)
 
 
 class Participant:

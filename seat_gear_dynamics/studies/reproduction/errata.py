@@ -80,7 +80,8 @@ def errata(train: GearTrain) -> list[Erratum]:
             "throughout",
             "masses, supports and their damping, transmission error, harmonics of k(t), b_c and initial states are not "
             "given",
-            "calibrated against C1-C10 (docs/calibration.md); every value of the description says where it is from",
+            "calibrated against C1-C5 and C7-C10 (docs/calibration.md); every value of the description says where it "
+            "is from",
         ),
         Erratum(
             "section 3",

@@ -10,8 +10,18 @@ from typing import Any, NamedTuple
 from seat_gear_dynamics.gears.units import RPM
 from seat_gear_dynamics.logs.analysis import Analysis
 from seat_gear_dynamics.views.analysis.style_sheet import STYLE
-from seat_gear_dynamics.views.analysis.words import detection_values, seam_words, warning_time
-from seat_gear_dynamics.views.figures.band_stays import stretch_name
+from seat_gear_dynamics.views.analysis.words import (
+    DETECTION_WORDS,
+    band_notices,
+    bands_words,
+    counted,
+    detection_values,
+    outputs_words,
+    seam_words,
+    state_notices,
+    stretch_words,
+    warning_time,
+)
 
 
 class Picture(NamedTuple):
@@ -47,28 +57,34 @@ def page(found: Analysis, pictures: Sequence[Picture], *, version: str, tables: 
 
 
 def _lead(found: Analysis) -> str:
-    where = "computed here from its speed and load" if found.provenance.estimated else "as the monitor published them"
     topics = ", ".join(f"<code>{escape(topic)}</code>" for topic in found.provenance.drive_topics)
     return (
-        f'<p class="lead">{found.duration:.1f} s of {escape(found.train.name)}. Speed and load from {topics}; forces, '
-        f"section and warnings {where}. Forces are the model's at load scale {found.train.model.load_scale:g}.</p>"
+        f'<p class="lead">{found.duration:.1f} s of {escape(found.train.name)}. Speed and load from {topics}; '
+        f"{outputs_words(found)}; {escape(bands_words(found))}. Forces are the model's at load scale "
+        f"{found.train.model.load_scale:g}.</p>"
     )
 
 
 def _tiles(found: Analysis) -> str:
     forbidden = sum(stay.seconds for stay in found.bands if stay.stretch.forbidden)
-    values, levels = detection_values(found.detection), warning_time(found)
     largest = [stay.forces["s1_s2"].max for stay in found.bands if isfinite(stay.forces["s1_s2"].max)]
     tiles = [
         ("in forbidden bands", f"{forbidden:.1f} s", f"{forbidden / found.duration:.0%}" if found.duration else ""),
-        ("ERROR stood", f"{levels['ERROR']:.1f} s", f"{values['errors']} times"),
-        ("stays missed", f"{values['missed']} of {values['stays']}", "no ERROR at all"),
-        ("time to ERROR", _milliseconds(values["delay_median"]), f"at most {_milliseconds(values['delay_max'])}"),
-        ("ERROR outside bands", str(values["false"]), f"{values['false_that_state_chaos']} state chaos"),
+        *(_warning_tiles(found) if found.warned else [("warnings", "–", "the log has none")]),
         ("largest force of s1_s2", f"{max(largest):.0f} N" if largest else "–", "of the model"),
     ]
     cells = (f"<div><b>{value}</b><span>{label}</span><small>{note}</small></div>" for label, value, note in tiles)
     return f'<div class="tiles">{"".join(cells)}</div>'
+
+
+def _warning_tiles(found: Analysis) -> list[tuple[str, str, str]]:
+    values, levels = detection_values(found.detection), warning_time(found)
+    return [
+        ("ERROR stood", f"{levels['ERROR']:.1f} s", counted(values["errors"], "time")),
+        ("stays missed", f"{values['missed']} of {values['stays']}", "in a band, without any ERROR"),
+        ("time to ERROR", _milliseconds(values["delay_median"]), f"at most {_milliseconds(values['delay_max'])}"),
+        ("ERROR outside bands", str(values["false"]), f"{values['false_that_state_chaos']} with chaos stated"),
+    ]
 
 
 def _milliseconds(seconds: float | None) -> str:
@@ -76,12 +92,13 @@ def _milliseconds(seconds: float | None) -> str:
 
 
 def _notices(found: Analysis) -> str:
-    notices = []
+    notices = state_notices(found)
     if found.damage:
         notices.append(f"Not all of the log could be read. {found.damage}")
     kept = found.provenance.log_system_hash
     if kept is not None and kept != found.provenance.system_hash:
         notices.append("The parameters used here are not those that the log was recorded with.")
+    notices += band_notices(found)
     if seams := seam_words(found):
         notices.append(f"The model was {seams}.")
     if len(found.restarts) > 1:
@@ -123,7 +140,7 @@ def _bands(found: Analysis) -> str:
     rows = []
     for stay in found.bands:
         for n, (mesh, force) in enumerate(stay.forces.items()):
-            first = [stretch_name(stay), f"{stay.seconds:.1f}", str(stay.visits), f"{stay.longest:.1f}"]
+            first = [stretch_words(stay), f"{stay.seconds:.1f}", str(stay.visits), f"{stay.longest:.1f}"]
             numbers = [_number(value) for value in (force.mean, force.rms, force.min, force.max)]
             rows.append([*(first if n == 0 else [""] * 4), mesh, *numbers])
     return table(head, rows)
@@ -146,9 +163,9 @@ def _dwells(found: Analysis) -> str:
 def _detection(found: Analysis) -> str:
     columns = {"against the bands": found.detection}
     if found.map_detection is not None:
-        columns["against the regime map"] = found.map_detection
+        columns["against the chaos of the map's own nodes"] = found.map_detection
     values = [detection_values(each) for each in columns.values()]
-    rows = [[name.replace("_", " "), *(_short(each[name]) for each in values)] for name in values[0]]
+    rows = [[words, *(_short(each[name]) for each in values)] for name, words in DETECTION_WORDS.items()]
     return table(["", *columns], rows)
 
 
@@ -164,6 +181,9 @@ def _provenance(found: Analysis, version: str) -> str:
         ["log", str(p.log)],
         *([f"file {name}", f"{size} bytes, sha256 {digest}"] for name, size, digest in p.files),
         ["recorded by version", p.log_version or "another program"],
+        *([f"noted in the log: {what}", value] for what, value in p.notes),
+        ["bands that the log's warnings name", ", ".join(found.stated_bands) or "none"],
+        ["bands used here", found.judged_by.label],
         ["parameters in the log", p.log_system_hash or "none"],
         ["parameters used here", p.system_hash],
         ["analysed by version", version],

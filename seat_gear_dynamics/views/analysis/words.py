@@ -7,6 +7,7 @@ import numpy as np
 
 from seat_gear_dynamics.gears.units import RPM
 from seat_gear_dynamics.logs.analysis import Analysis
+from seat_gear_dynamics.logs.analysis.bands import BandStay
 from seat_gear_dynamics.logs.analysis.detection import Detection
 from seat_gear_dynamics.views.colours import LEVEL_NAMES
 from seat_gear_dynamics.views.figures.band_stays import stretch_name
@@ -19,10 +20,16 @@ def summary(found: Analysis) -> dict[str, Any]:
         "duration": found.duration,
         "load_scale": found.train.model.load_scale,
         "estimated": found.provenance.estimated,
+        "closed": found.provenance.closed,
+        "warned": found.warned,
         "stretches": None if found.stretches is None else vars(found.stretches),
         "warning_time": warning_time(found),
+        "judged_by": found.judged_by.label,
+        "stated_bands": list(found.stated_bands),
         "bands": [
             {
+                "load": stay.stretch.load,
+                "outside_map": stay.stretch.outside,
                 "from_rpm": stay.stretch.low / RPM,
                 "to_rpm": stay.stretch.high / RPM if isfinite(stay.stretch.high) else None,
                 "forbidden": stay.stretch.forbidden,
@@ -33,8 +40,8 @@ def summary(found: Analysis) -> dict[str, Any]:
             }
             for stay in found.bands
         ],
-        "detection": detection_values(found.detection),
-        "detection_map": detection_values(found.map_detection) if found.map_detection else None,
+        "detection": detection_values(found.detection) if found.warned else None,
+        "detection_map": detection_values(found.map_detection) if found.map_detection and found.warned else None,
         "dwells": found.dwells.count,
         "restarts": max(len(found.restarts) - 1, 0),
         "topics": {
@@ -48,6 +55,7 @@ def summary(found: Analysis) -> dict[str, Any]:
             "log_system_hash": found.provenance.log_system_hash,
             "system_hash": found.provenance.system_hash,
             "drive_topics": list(found.provenance.drive_topics),
+            "notes": dict(found.provenance.notes),
         },
     }
 
@@ -79,24 +87,98 @@ def detection_values(found: Detection) -> dict[str, Any]:
 
 def summary_lines(found: Analysis) -> list[str]:
     """Return the analysis in lines for a terminal."""
-    where = "computed here, the log has no outputs" if found.provenance.estimated else "as logged"
-    lines = [f"{found.duration:.1f} s; forces, section and warnings {where}", "warning, time by level"]
-    lines += [f"  {name:6s}{seconds:9.1f} s" for name, seconds in warning_time(found).items()]
-    lines.append("time in each stretch of speed (visits, longest), largest force of s1_s2")
+    lines = [f"{found.duration:.1f} s; {outputs_words(found)}", *state_notices(found)]
+    if found.warned:
+        lines.append("warning, time by level")
+        lines += [f"  {name:6s}{seconds:9.1f} s" for name, seconds in warning_time(found).items()]
+    lines += band_notices(found)
+    lines.append(f"time in each stretch of speed (visits, longest), largest force of s1_s2; {bands_words(found)}")
+    width = 2 + max((len(stretch_words(stay)) for stay in found.bands), default=26)
     for stay in found.bands:
         force = stay.forces["s1_s2"].max
         most = f"{force:8.0f} N" if isfinite(force) else "       –"
-        lines.append(f"  {stretch_name(stay):28s}{stay.seconds:9.1f} s  ({stay.visits}, {stay.longest:.1f} s){most}")
-    lines += detection_lines(found.detection)
-    if found.map_detection is not None:
-        lines += ["against the regime map:", *detection_lines(found.map_detection)]
+        lines.append(
+            f"  {stretch_words(stay):{width}s}{stay.seconds:9.1f} s  ({stay.visits}, {stay.longest:.1f} s){most}"
+        )
+    lines += detection_lines(found.detection) if found.warned else []
+    if found.warned and found.map_detection is not None:
+        lines += ["against the chaos of the map's own nodes:", *detection_lines(found.map_detection)]
     restarts = max(len(found.restarts) - 1, 0)  # the first is the start
-    lines.append(f"{found.dwells.count} dwells" + (f", {restarts} restarts of the model" if restarts else ""))
+    lines.append(counted(found.dwells.count, "dwell"))
+    if restarts:
+        lines[-1] += f", {counted(restarts, 'restart')} of the model"
     if seams := seam_words(found):
         lines.append(seams)
     if found.damage:
         lines.append(f"damage: {found.damage}")
     return lines
+
+
+def counted(count: int, what: str) -> str:
+    """Return a number of things, as in `1 dwell`."""
+    return f"{count} {what}{'' if count == 1 else 's'}"
+
+
+def outputs_words(found: Analysis) -> str:
+    """Return where forces, section and warnings come from, and which of them there are not."""
+    if found.provenance.estimated:
+        return "forces, section points and warnings computed here, the log has no outputs"
+    there = {"forces": True, "section points": found.cloud.seen > 0, "warnings": found.warned}
+    held = " and ".join(", ".join(what for what, held in there.items() if held).rsplit(", ", 1))
+    absent = " and no ".join(what for what, held in there.items() if not held)
+    return f"{held} as logged" + (f"; the log has no {absent}" if absent else "")
+
+
+def state_notices(found: Analysis) -> list[str]:
+    """Return sentences on a log that is not whole."""
+    notices = []
+    if not found.provenance.closed:
+        notices.append("The log was not ended: its recorder was killed or still writes. What it had synced is here.")
+    notes = dict(found.provenance.notes)
+    if "failure" in notes:
+        notices.append(f"The recorder ended the log early: {notes['failure']}")
+    if (gone := notes.get("files let go", "0")) != "0":
+        notices.append(f"The log's beginning is gone: of its files, retention let go of the first {gone}.")
+    for key, value in notes.items():
+        if key.startswith("lost unread of "):
+            topic = key.removeprefix("lost unread of ")
+            notices.append(f"{value} messages of {topic} were lost before the recorder read them.")
+    return notices
+
+
+def stretch_words(stay: BandStay) -> str:
+    """Return a stretch of speeds in words, with the map's load that it stands at, where bands follow the load."""
+    if stay.stretch.outside:
+        return "outside the map"
+    at = "" if stay.stretch.load is None else f" at {stay.stretch.load:g} N·m"
+    return f"{stretch_name(stay)}{at}"
+
+
+def bands_words(found: Analysis) -> str:
+    """Return by which bands an analysis is judged, in words."""
+    if not found.judged_by.follows_load:
+        return "published bands, at every load"
+    return f"bands of the {found.judged_by.label}, which follow the load"
+
+
+def band_notices(found: Analysis) -> list[str]:
+    """Return sentences where the log's warnings were judged by other bands than those of the analysis."""
+    stated, here = found.stated_bands, found.judged_by.label
+    if len(stated) > 1:
+        named = " and ".join(_bands_of(label) for label in stated)
+        return [
+            f"The monitor's bands changed while the log ran: its warnings name {named}; here {_bands_of(here)} hold."
+        ]
+    if not stated or stated[0] == here:
+        return []
+    notice = f"The log's warnings were judged by {_bands_of(stated[0])}; here they are held against {_bands_of(here)}."
+    if stated[0].startswith("map ") and not found.judged_by.follows_load:
+        notice += " That map is not the packaged one of this machine: give its file with --map."
+    return [notice]
+
+
+def _bands_of(label: str) -> str:
+    return f"the bands of the {label}" if label.startswith("map ") else f"the {label} bands"
 
 
 def seam_words(found: Analysis) -> str | None:
@@ -115,16 +197,30 @@ def seam_words(found: Analysis) -> str | None:
     return f"marched in {cut.count} stretches, which join: {joined}"
 
 
+DETECTION_WORDS = {
+    "stays": "stays in danger",
+    "missed": "of these missed: no ERROR at all",
+    "delay_median": "time from entry to ERROR, median",
+    "delay_max": "time from entry to ERROR, longest",
+    "lead_median": "time that WARN stood before entry, median",
+    "errors": "times that ERROR stood",
+    "false": "of these outside all danger",
+    "false_that_state_chaos": "of those, with chaotic motion stated",
+    "unlisted": "further stretches, not listed",
+}
+"""The figures of `detection_values` in words."""
+
+
 def detection_lines(found: Detection) -> list[str]:
     """Return a detection in words."""
     if not found.episodes and not found.errors:
         return ["no stay in a band and no ERROR"]
     delays = found.delays()
-    lines = [f"{len(found.episodes)} stays in danger, {found.missed} missed"]
+    lines = [f"{counted(len(found.episodes), 'stay')} in danger, {found.missed} missed"]
     if len(delays):
         lines[0] += f"; time to ERROR {1e3 * np.median(delays):.0f} ms in the median, {1e3 * delays.max():.0f} at most"
     stated = f", of which {found.false_chaotic} state chaotic motion" if found.false else ""
-    lines.append(f"{found.errors} times ERROR, {len(found.false)} of them outside{stated}")
+    lines.append(f"{counted(found.errors, 'time')} ERROR, {len(found.false)} of them outside{stated}")
     if found.unlisted:
         lines.append(f"{found.unlisted} further stretches are not listed")
     return lines

@@ -1,6 +1,7 @@
 """Whole analyses: of a log of ours, of a foreign bag, of what is hardly a log; their tables, and the model beside."""
 
 import csv
+import json
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
@@ -8,10 +9,11 @@ from typing import Any
 import numpy as np
 import pytest
 
-from seat_gear_dynamics.gears import GearTrain, load_train
+from seat_gear_dynamics.commands import main
+from seat_gear_dynamics.gears import GearTrain, load_train, packaged_description
 from seat_gear_dynamics.gears.units import RPM
 from seat_gear_dynamics.logs import topics
-from seat_gear_dynamics.logs.analysis import Analysis, ModelSettings, analyse
+from seat_gear_dynamics.logs.analysis import Analysis, ModelSettings, Source, analyse
 from seat_gear_dynamics.logs.analysis import tables as tables_module
 from seat_gear_dynamics.logs.analysis.batches import Batch
 from seat_gear_dynamics.logs.analysis.estimate import Estimate
@@ -19,11 +21,14 @@ from seat_gear_dynamics.logs.analysis.model import force_along
 from seat_gear_dynamics.logs.analysis.order_spectrum import order_spectrum
 from seat_gear_dynamics.logs.analysis.overview import overview
 from seat_gear_dynamics.logs.analysis.side_by_side import Stretches
+from seat_gear_dynamics.logs.analysis.stream import Stream
 from seat_gear_dynamics.logs.analysis.tables import tables, write_tables
 from seat_gear_dynamics.logs.errors import LogError
+from seat_gear_dynamics.logs.reader import Bag
 from seat_gear_dynamics.logs.run import read_run
 from seat_gear_dynamics.motion import System, integrate
 from seat_gear_dynamics.regimes import RegimeMap
+from seat_gear_dynamics.sensing import PACKAGED_MAP, MapBands, Session
 
 SMALL = ModelSettings(dwells=1, sweep_points=3, map_speeds=3, transient=20, periods=50)
 
@@ -98,18 +103,75 @@ def test_a_foreign_bag_is_estimated_and_says_so(third_party: Path) -> None:
     assert overview(found).force is None, "what was computed here was not recorded"
 
 
-def test_a_map_is_a_second_truth(log: Path) -> None:
-    speeds, loads = np.array([100.0, 1000.0, 1700.0, 2100.0]) * RPM, np.array([500.0, 700.0])
-    shape = (2, 4)
-    zeros, codes = np.zeros(shape), np.zeros(shape, dtype=np.int64)
-    chaos = np.tile([0.0, 0.0, 1.0, 1.0], (2, 1))
-    chart = RegimeMap(speeds, loads, codes, codes, zeros, zeros, zeros, chaos, 0, "made", 1, 1)
-    found = analyse(log, load_train(), regime_map=chart)
-    assert found.map is chart
+def test_a_map_judges_stays_and_warnings_of_a_log_and_is_a_second_truth(
+    log: Path, made_map: Callable[..., RegimeMap]
+) -> None:
+    train = load_train()
+    bands = MapBands(made_map(train, [500.0, 700.0], [[(1450, 2100)]] * 2), train)
+    found = analyse(log, train, bands=bands)
+    assert found.map is bands.map
+    assert (found.judged_by, found.stated_bands) == (bands, ("published",))
+    # Up to 1800 r/min at 200 r/min a second, then a dwell: in danger from 1400, half a node beyond the crossing.
+    (stay,) = found.detection.episodes
+    seconds = {(s.stretch.forbidden, s.stretch.load): s.seconds for s in found.bands}
+    assert seconds[True, 500.0] + seconds.get((True, 700.0), 0.0) == pytest.approx(stay.end - stay.begin, abs=0.03)
+    assert sum(seconds.values()) == pytest.approx(found.occupancy.total)
     assert found.map_detection is not None
-    (episode,) = found.map_detection.episodes  # from 1350 r/min, halfway between the nodes, to the end
-    assert episode.begin < found.detection.episodes[-1].begin
-    assert found.map_detection.false == ()
+    (episode,) = found.map_detection.episodes  # the node at 1450 is nearest from 1425 r/min on
+    assert 0.05 < episode.begin - stay.begin < 0.2
+    assert found.detection.errors > len(found.detection.false), "the logged warnings are those of the published bands"
+
+
+def test_a_foreign_log_is_warned_of_by_the_bands_of_the_map(
+    third_party: Path, made_map: Callable[..., RegimeMap]
+) -> None:
+    train = load_train()
+    bands = MapBands(made_map(train, [100.0, 400.0, 700.0], [[(1000, 1300)]] * 3), train)
+    found = analyse(third_party, train, bands=bands)
+    # The same drive through a session on these bands.
+    session, verdicts = Session(train, bands=bands), []
+    for batch in Stream(Bag(third_party), train)._recorded(None):
+        verdicts += [session.feed(*row).verdict for row in batch.drive[:, :3].tolist()]
+    shown = [verdict.level for verdict in verdicts]
+    changes = [int(level) for n, level in enumerate(shown) if n == 0 or level != shown[n - 1]]
+    assert [level for _, level, _ in found.levels.spans] == changes
+    texts = {text for _, _, text in found.levels.spans}
+    assert any("inside the forbidden band 950-1350" in text for text in texts), texts
+    assert not any("band 1349-1359" in text for text in texts)
+    assert found.judged_by.label == bands.label
+    assert found.stated_bands == (), "the log itself has no warnings"
+    assert any(stay.stretch.outside and stay.seconds > 1 for stay in found.bands), "2150 r/min is beyond the map"
+
+
+def test_a_log_of_a_monitor_on_a_map_names_it(
+    generator: Any, tmp_path: Path, made_map: Callable[..., RegimeMap]
+) -> None:
+    train = load_train()
+    bands = MapBands(made_map(train, [500.0, 700.0], [[(400, 700)]] * 2), train)
+    generator.write_log(tmp_path / "log", 5.0, bands=bands)
+    found = analyse(tmp_path / "log", train, bands=bands)
+    assert found.stated_bands == (bands.label,)
+    (stay,) = found.detection.episodes
+    assert stay.delay is not None, "danger and warning are of the same bands"
+    other = analyse(tmp_path / "log", train)
+    assert other.detection.episodes == ()
+    assert other.judged_by.label == "published"
+
+
+def test_a_log_of_a_monitor_on_the_packaged_map_is_judged_by_it(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str], generator: Any
+) -> None:
+    train = load_train()
+    with packaged_description().with_name(PACKAGED_MAP).open("rb") as file:
+        bands = MapBands(RegimeMap.load(file, train), train)
+    generator.write_log(tmp_path / "log", 8.5, bands=bands)
+    assert main(["analyze", str(tmp_path / "log"), "--output", str(tmp_path / "out"), "--no-model", "--json"]) == 0
+    values = json.loads(capsys.readouterr().out)
+    assert (values["judged_by"], values["stated_bands"]) == (bands.label, [bands.label])
+    assert {band["load"] for band in values["bands"] if not band["outside_map"]} <= set(bands.map.loads.tolist())
+    # 1300 r/min at about 600 N·m: in no published band, and in one of the map.
+    assert sum(band["seconds"] for band in values["bands"] if band["forbidden"]) > 1.0
+    assert values["detection"]["missed"] == 0
 
 
 def test_a_log_without_speed_or_with_nothing_in_it(tmp_path: Path, new_log: Callable[..., Any]) -> None:
@@ -204,3 +266,16 @@ def test_the_models_force_along_a_steady_drive_has_its_lines_at_the_mesh_orders(
 
 def test_a_drive_of_one_sample_gives_no_force(train: GearTrain) -> None:
     assert [len(each) for each in force_along(train, np.array([[0.0, 60.0, 600.0]]), np.zeros(24))] == [0, 0, 0]
+
+
+def test_a_made_foreign_log_has_speed_and_load_alone_in_its_own_unit(generator: Any, tmp_path: Path) -> None:
+    assert generator.write_foreign_log(tmp_path / "log", 4.0) == 400
+    bag = Bag(tmp_path / "log")
+    assert set(bag.topics) == {generator.FOREIGN_SPEED, generator.FOREIGN_LOAD}
+    found = analyse(
+        bag.path, load_train(), source=Source(generator.FOREIGN_SPEED, generator.FOREIGN_LOAD, None, "r/min")
+    )
+    assert found.provenance.estimated
+    assert found.provenance.log_version is None
+    # Up-down: 600 r/min after 3 s, and a dwell there.
+    assert np.nanmax(found.drive.most("speed")) / RPM == pytest.approx(600, abs=15)

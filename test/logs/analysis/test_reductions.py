@@ -8,11 +8,12 @@ from numpy.typing import NDArray
 
 from seat_gear_dynamics.gears import ForbiddenBand
 from seat_gear_dynamics.gears.units import RPM
-from seat_gear_dynamics.logs.analysis.bands import BandStays, stretches
+from seat_gear_dynamics.logs.analysis.bands import BandStays
 from seat_gear_dynamics.logs.analysis.batches import FORCE_COLUMNS, Direction, Recent, empty
 from seat_gear_dynamics.logs.analysis.histories import Binned
 from seat_gear_dynamics.logs.analysis.occupancy import Occupancy, holds
 from seat_gear_dynamics.logs.analysis.section_cloud import SectionCloud
+from seat_gear_dynamics.logs.analysis.zones import FixedZones, stretches
 from seat_gear_dynamics.logs.flows import Flows
 
 BANDS = (ForbiddenBand(100.0, 110.0, 600.0), ForbiddenBand(150.0, 200.0, 600.0))
@@ -31,7 +32,7 @@ def test_how_a_drive_is_cut_into_batches_changes_no_result(sizes: list[int]) -> 
     pieces = np.split(rows, cuts[cuts < len(rows)])
     results = []
     for parts in ([rows], pieces):
-        bands, occupancy = BandStays(BANDS), Occupancy()
+        bands, occupancy = BandStays(FixedZones(BANDS)), Occupancy()
         for part in parts:
             bands.add(part, empty(FORCE_COLUMNS))
             occupancy.add(part)
@@ -59,7 +60,7 @@ def test_a_gap_is_no_time_anywhere() -> None:
 
 
 def test_time_in_a_band_is_its_width_over_the_slope() -> None:
-    stays = BandStays(BANDS)
+    stays = BandStays(FixedZones(BANDS))
     stays.add(ramp(0.0, 220.0, 22.0), empty(FORCE_COLUMNS))  # 10 rad/s a second
     seconds = [stay.seconds for stay in stays.found()]
     # 10, 1, 4, 5 and 2 s; a sample stands for the 10 ms before it, so each edge is good to one of them.
@@ -69,7 +70,7 @@ def test_time_in_a_band_is_its_width_over_the_slope() -> None:
 
 
 def test_forces_of_a_band_are_weighted_by_time() -> None:
-    stays = BandStays(BANDS)
+    stays = BandStays(FixedZones(BANDS))
     drive = np.column_stack([[0.0, 0.1, 0.4], [105.0] * 3, [600.0] * 3, [0.0] * 3])
     force = np.zeros((3, 11))
     force[:, 0], force[:, 9] = [0.0, 0.1, 0.4], 105.0

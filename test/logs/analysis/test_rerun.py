@@ -11,7 +11,8 @@ from seat_gear_dynamics.gears.description import parse_train
 from seat_gear_dynamics.gears.errors import DescriptionError
 from seat_gear_dynamics.gears.units import RPM
 from seat_gear_dynamics.logs import topics
-from seat_gear_dynamics.logs.analysis.rerun import Rerun, rerun
+from seat_gear_dynamics.logs.analysis.rerun import rerun
+from seat_gear_dynamics.logs.analysis.rerun_result import Rerun
 from seat_gear_dynamics.logs.analysis.what_if import monitor_settings, split, with_values
 from seat_gear_dynamics.logs.errors import LogError
 from seat_gear_dynamics.logs.reader import Bag

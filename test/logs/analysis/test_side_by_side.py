@@ -15,6 +15,8 @@ from seat_gear_dynamics.logs.analysis.estimate import Estimate
 from seat_gear_dynamics.logs.analysis.seam import SAME_MOTION, Join, Phase, Seam
 from seat_gear_dynamics.logs.analysis.side_by_side import SideBySide, Stretches
 from seat_gear_dynamics.motion.march import LONGEST_STEP
+from seat_gear_dynamics.regimes.regime_map import RegimeMap
+from seat_gear_dynamics.sensing import BandSource, MapBands
 from seat_gear_dynamics.sensing.virtual_sensor import SENSOR_STATE_NAMES
 
 Array = NDArray[np.float64]
@@ -38,8 +40,10 @@ def in_a_row(train: GearTrain, batches: list[Batch]) -> list[Batch]:
     return batches
 
 
-def beside(train: GearTrain, batches: list[Batch], *, workers: int = 1) -> tuple[list[Batch], Stretches]:
-    cut = SideBySide(train, workers=workers, stretch=3.9, run_in=2.0)
+def beside(
+    train: GearTrain, batches: list[Batch], *, workers: int = 1, bands: BandSource | None = None
+) -> tuple[list[Batch], Stretches]:
+    cut = SideBySide(train, bands=bands, workers=workers, stretch=3.9, run_in=2.0)
     return list(cut.batches(iter(batches))), cut.stretches
 
 
@@ -162,9 +166,16 @@ def test_chaos_joins_chaos_and_a_long_period_joins_itself_some_periods_off(train
     assert judge.join(three, three._replace(state=other, section=np.roll(orbit, 1, axis=0))) is Join.NONE
 
 
-def test_two_processes_change_no_bit(train: GearTrain) -> None:
-    results = [beside(train, drive(slow, 14.0), workers=workers) for workers in (1, 2)]
+def test_two_processes_change_no_bit_and_judge_by_the_same_bands(
+    train: GearTrain, made_map: Callable[..., RegimeMap]
+) -> None:
+    bands = MapBands(made_map(train, [500.0, 700.0], [[(300, 500)]] * 2), train)
+    results = [beside(train, drive(slow, 14.0), workers=workers, bands=bands) for workers in (1, 2)]
     assert results[0][1] == results[1][1]
+    warned = [[each for batch in found for each in batch.warnings] for found, _ in results]
+    assert warned[0] == warned[1]
+    # Between 300 and 600 r/min no band is published; the map's reaches half a node farther than its crossings.
+    assert any("inside the forbidden band 250-550" in each.text for each in warned[0])
     for name in ("force", "state", "section"):
         np.testing.assert_array_equal(together(results[0][0], name), together(results[1][0], name))
 
