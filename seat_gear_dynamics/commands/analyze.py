@@ -70,12 +70,12 @@ def run(arguments: argparse.Namespace) -> int:
 
 
 def report(
-    log: Path, output: Path | None, system: str | None, *, quiet: bool = False
+    log: Path, output: Path | None, system: str | None, *, chart: Path | None = None, quiet: bool = False
 ) -> tuple[dict[str, Any], list[str]]:
     """Write the one-page picture report.png for `log`; return the summary as plain values and as lines.
 
     The machine is that of `system`, or of the description that the log keeps, or the packaged one; its bands are those
-    that the log's warnings name. `quiet` says nothing of the progress.
+    of the map `chart`, or those that the log's warnings name. `quiet` says nothing of the progress.
     """
     from seat_gear_dynamics.commands.progress import stages
     from seat_gear_dynamics.logs.analysis import analyse
@@ -83,7 +83,7 @@ def report(
     from seat_gear_dynamics.views.analysis import summary
     from seat_gear_dynamics.views.report import summary_lines
 
-    train, bands = _machine(log, system)
+    train, bands = _machine(log, system, chart)
     with stages(quiet=quiet) as tell:
         found = analyse(log, train, bands=bands, tell=tell)
     picture = _picture(found, _folder(log, output))

@@ -32,6 +32,11 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         metavar="PORT",
         help=f"serve the dashboard to this machine, read-only (default port {PORT})",
     )
+    parser.add_argument(
+        "--map",
+        metavar="F.npz",
+        help="regime map whose bands follow the load, or `packaged` (default: the published bands)",
+    )
     parser.add_argument("--seed", type=int, default=0, metavar="N", help="seed of the simulated noise (default 0)")
 
 
@@ -51,11 +56,12 @@ def run(arguments: argparse.Namespace) -> int:
         seed=arguments.seed,
         quiet=arguments.json,
         dashboard=arguments.dashboard,
+        chart=arguments.map,
     )
     ended = bench.run()
     if not bench.output.exists():  # Ctrl-C came before the recorder had made its log
         raise KeyboardInterrupt
-    values, lines = report(bench.output, None, arguments.system, quiet=arguments.json)
+    values, lines = report(bench.output, None, arguments.system, chart=bench.chart, quiet=arguments.json)
     values["ended"] = ended
     print(json.dumps(values) if arguments.json else "\n".join(["", *lines]))
     return 0

@@ -21,6 +21,8 @@ from seat_gear_dynamics.commands.watching import Told, told, watch
 from seat_gear_dynamics.gears import load_train
 from seat_gear_dynamics.gears.units import RPM
 from seat_gear_dynamics.logs import topics
+from seat_gear_dynamics.logs.analysis.band_source import band_source
+from seat_gear_dynamics.sensing import packaged_map
 from seat_gear_dynamics.views.live_screen import screen_on
 from seat_gear_dynamics.views.live_state import LiveState
 
@@ -41,6 +43,7 @@ class BenchRun:
         seed: int,
         quiet: bool,
         dashboard: int | None = None,
+        chart: str | None = None,
     ) -> None:
         if duration is not None and not 0 < duration < float("inf"):
             raise CommandError(f"--duration is {duration!r} s, expected more than 0.")
@@ -52,8 +55,12 @@ class BenchRun:
         self._duration = duration
         self._profile, self._seed = profile_name, seed
         self._system = str(Path(system).absolute()) if system else ""
+        self.chart = None if chart is None else packaged_map() if chart == "packaged" else Path(chart).absolute()
+        """The regime map that the monitor goes by; None: the published bands."""
+        band_source(train, self.chart, None)  # a map that is none is refused before anything starts
         self._console = Console(quiet=quiet)
-        self._dashboard = None if dashboard is None else Dashboard(Settings(port=dashboard, system=system))
+        shown = Settings(port=dashboard or 0, system=system, map=self.chart)
+        self._dashboard = None if dashboard is None else Dashboard(shown)
         self._told = Told()
         self._children: list[Child] = []
         self._state = LiveState(
@@ -96,7 +103,7 @@ class BenchRun:
     def _start(self, node: Listener, words: Path) -> None:
         """Start recorder and monitor, then, once the log hears every topic, the simulator."""
         self._child("recorder", words, output=str(self.output), system=self._system)
-        self._child("monitor", words, system=self._system)
+        self._child("monitor", words, system=self._system, map=str(self.chart or ""))
         self._console.print("starting the recorder and the monitor (the first start compiles the model)…")
         self._wait(node, lambda: {"bench_recorder", "gear_monitor"} <= node.heard, "recorder and monitor to report")
         self._child("simulator", words, profile=self._profile, seed=str(self._seed))

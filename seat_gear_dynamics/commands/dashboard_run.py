@@ -20,11 +20,11 @@ from rclpy.executors import ExternalShutdownException, SingleThreadedExecutor
 from rclpy.signals import SignalHandlerOptions
 
 from seat_gear_dynamics.commands.errors import CommandError
-from seat_gear_dynamics.gears import GearTrain, load_train, packaged_description
+from seat_gear_dynamics.gears import GearTrain, load_train
 from seat_gear_dynamics.nodes.dashboard_listener import DashboardListener
 from seat_gear_dynamics.nodes.dashboard_snapshot import Snapshot
 from seat_gear_dynamics.regimes.regime_map import MapError, RegimeMap
-from seat_gear_dynamics.sensing.bands import PACKAGED_MAP, MapBands
+from seat_gear_dynamics.sensing.bands import MapBands, packaged_map
 from seat_gear_dynamics.views.dashboard.access import Access, AccessError, is_loopback
 from seat_gear_dynamics.views.dashboard.board import Board
 from seat_gear_dynamics.views.dashboard.scene import Scene
@@ -179,10 +179,10 @@ def _server_class() -> Any:
 def _scene(path: Path | None, train: GearTrain) -> Scene:
     if path is None:
         try:
-            return _mapped_scene(_packaged_map(), train)
+            return _mapped_scene(packaged_map(), train)
         except (MapError, OSError):
             return Scene(train)  # the packaged map is of the packaged machine alone
-    source = _packaged_map() if str(path) == "packaged" else path
+    source = packaged_map() if str(path) == "packaged" else path
     try:
         return _mapped_scene(source, train)
     except MapError as error:
@@ -193,10 +193,6 @@ def _mapped_scene(path: Path, train: GearTrain) -> Scene:
     with path.open("rb") as file:
         found = RegimeMap.load(file, train)
     return Scene(train, found, map_name=path.name, map_bands=MapBands(found, train))
-
-
-def _packaged_map() -> Path:
-    return packaged_description().with_name(PACKAGED_MAP)
 
 
 def _token(settings: Settings) -> str | None:

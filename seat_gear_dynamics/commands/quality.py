@@ -102,11 +102,10 @@ def _outcomes(arguments: argparse.Namespace) -> "list[Outcome]":
 
 
 def _map(arguments: argparse.Namespace, train: Any) -> "RegimeMap":
-    from seat_gear_dynamics.gears import packaged_description
     from seat_gear_dynamics.regimes.regime_map import RegimeMap
-    from seat_gear_dynamics.sensing import PACKAGED_MAP
+    from seat_gear_dynamics.sensing import packaged_map
 
-    path = arguments.map or packaged_description().with_name(PACKAGED_MAP)
+    path = arguments.map or packaged_map()
     with path.open("rb") as file:
         return RegimeMap.load(file, train)
 

@@ -7,7 +7,7 @@ from typing import Any
 
 from rclpy.lifecycle import LifecycleNode
 
-from seat_gear_dynamics.gears import DescriptionError, GearTrain, load_train, packaged_description
+from seat_gear_dynamics.gears import DescriptionError, GearTrain, load_train
 from seat_gear_dynamics.nodes.diagnostics import Updater
 from seat_gear_dynamics.nodes.intake import Intake, Limits
 from seat_gear_dynamics.nodes.monitor_health import SolverHealth, WarningHealth
@@ -17,7 +17,7 @@ from seat_gear_dynamics.nodes.monitor_state import StateTicker, model_state
 from seat_gear_dynamics.nodes.process import StartError
 from seat_gear_dynamics.nodes.qos_events import QosEvents
 from seat_gear_dynamics.regimes.regime_map import MapError, RegimeMap
-from seat_gear_dynamics.sensing import PACKAGED_MAP, BandSource, MapBands, PublishedBands, Session, warm_up
+from seat_gear_dynamics.sensing import BandSource, MapBands, PublishedBands, Session, packaged_map, warm_up
 
 _DIAGNOSTICS_PERIOD = 1.0  # s
 
@@ -175,7 +175,7 @@ def _bands(name: str, train: GearTrain) -> BandSource:
     """Return the bands of a map file, of the packaged map, or the published ones without a name."""
     if not name:
         return PublishedBands.of(train)
-    path = packaged_description().with_name(PACKAGED_MAP) if name == "packaged" else Path(name)
+    path = packaged_map() if name == "packaged" else Path(name)
     try:
         with path.open("rb") as file:
             return MapBands(RegimeMap.load(file, train), train)

@@ -1,7 +1,7 @@
 """The same model beside a running bench: virtual sensor and alarm, with time and data as arguments."""
 
 from seat_gear_dynamics.sensing.alarm import Alarm, AlarmSettings, Verdict
-from seat_gear_dynamics.sensing.bands import PACKAGED_MAP, BandSource, MapBands, PublishedBands
+from seat_gear_dynamics.sensing.bands import BandSource, MapBands, PublishedBands, packaged_map
 from seat_gear_dynamics.sensing.evidence import Evidence, Level
 from seat_gear_dynamics.sensing.reading import Contact, ForceWindow, Reading
 from seat_gear_dynamics.sensing.regime_watch import RegimeWatch
@@ -9,7 +9,6 @@ from seat_gear_dynamics.sensing.session import Change, Session, warm_up
 from seat_gear_dynamics.sensing.virtual_sensor import RejectedSampleError, VirtualSensor
 
 __all__ = [
-    "PACKAGED_MAP",
     "Alarm",
     "AlarmSettings",
     "BandSource",
@@ -26,5 +25,6 @@ __all__ = [
     "Session",
     "Verdict",
     "VirtualSensor",
+    "packaged_map",
     "warm_up",
 ]

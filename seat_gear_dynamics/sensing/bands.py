@@ -4,19 +4,23 @@ from bisect import bisect_right
 from collections.abc import Iterable, Iterator, Sequence
 from hashlib import sha256
 from itertools import pairwise
+from pathlib import Path
 from typing import NamedTuple, Protocol
 
 import numpy as np
 
-from seat_gear_dynamics.gears import ForbiddenBand, GearTrain
+from seat_gear_dynamics.gears import ForbiddenBand, GearTrain, packaged_description
 from seat_gear_dynamics.gears.units import RPM
 from seat_gear_dynamics.regimes.regime_map import MapError, RegimeMap, fingerprint
 
-PACKAGED_MAP = "height_adjuster_map.npz"
-"""Name of the packaged height adjuster's map, which stands beside its description."""
 _SAME = 1e-9  # relative; a first speed of one grid step is 0 plus a step but for rounding
 
 Bands = tuple[ForbiddenBand, ...]
+
+
+def packaged_map() -> Path:
+    """Return the path of the packaged height adjuster's regime map, which stands beside its description."""
+    return packaged_description().with_name("height_adjuster_map.npz")
 
 
 class BandSource(Protocol):

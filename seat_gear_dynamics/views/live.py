@@ -69,7 +69,7 @@ def _speed(state: LiveState) -> Group:
     scale = Text()
     for column in range(_SCALE):
         low, high = covered * column / _SCALE, covered * (column + 1) / _SCALE
-        banned = any(low < b_high and high > b_low for b_low, b_high in state.bands_rpm)
+        banned = any(low < b_high and high > b_low for b_low, b_high in state.forbidden_rpm)
         scale.append("█" if banned else "─", BAND if banned else "grey50")
     marker = Text(" " * 12)
     if state.speed_rpm is not None:
@@ -78,13 +78,13 @@ def _speed(state: LiveState) -> Group:
         marker.append("▼", f"bold {TERMINAL_SPEED}")
     reading = "–" if state.speed_rpm is None else f"{state.speed_rpm:+.0f} r/min"
     direction = "" if state.speed_rpm is None or state.speed_rpm >= 0 else "  (running backward)"
-    edges = "  ".join(f"{low:.0f}-{high:.0f}" for low, high in state.bands_rpm)
+    edges = "  ".join(f"{low:.0f}-{high:.0f}" for low, high in state.forbidden_rpm) or "none"
     return Group(
         Text.assemble(
             ("Speed s1    ", "bold"),
             (reading, f"bold {TERMINAL_SPEED}"),
             direction,
-            ("   forbidden ", "dim"),
+            ("   forbidden " if state.by_published_bands else "   nearest band on the map ", "dim"),
             (edges, BAND),
         ),
         marker,

@@ -1,7 +1,11 @@
 """What the live view shows, as plain values."""
 
+import re
 from collections import deque
 from dataclasses import dataclass, field
+
+_BAND = re.compile(r"(\d{1,6})-(\d{1,6})")
+_PUBLISHED = "published"
 
 
 @dataclass
@@ -20,6 +24,7 @@ class LiveState:
 
     title: str
     bands_rpm: tuple[tuple[float, float], ...]
+    """The published bands."""
     covered_rpm: float
     load_scale: float
     duration: float | None = None
@@ -40,3 +45,16 @@ class LiveState:
     solver: str = ""
     history: deque[tuple[float, float, int]] = field(default_factory=lambda: deque(maxlen=600))
     """(elapsed s, |speed| r/min, level), a few a second."""
+
+    @property
+    def by_published_bands(self) -> bool:
+        """Whether the monitor goes by the published bands, as far as is known."""
+        return self.details.get("bands", _PUBLISHED) == _PUBLISHED
+
+    @property
+    def forbidden_rpm(self) -> tuple[tuple[float, float], ...]:
+        """The bands to show: of a monitor that goes by a map only the nearest is known, as its warning says it."""
+        if self.by_published_bands:
+            return self.bands_rpm
+        found = _BAND.fullmatch(self.details.get("band (r/min)", ""))
+        return ((float(found[1]), float(found[2])),) if found else ()

@@ -14,11 +14,15 @@ from domains import fresh_domain
 from mcap.reader import make_reader
 from rosbags.highlevel import AnyReader
 
+from seat_gear_dynamics.commands import main
 from seat_gear_dynamics.gears import load_train
+from seat_gear_dynamics.logs.analysis.band_source import band_source
 from seat_gear_dynamics.logs.analysis.rerun import rerun
+from seat_gear_dynamics.logs.analysis.what_if import recorded_bands
 from seat_gear_dynamics.logs.reader import Bag
 from seat_gear_dynamics.logs.run import read_run
 from seat_gear_dynamics.logs.topics import DIAGNOSTICS, TOPICS
+from seat_gear_dynamics.sensing import packaged_map
 
 BENCH = [sys.executable, "-m", "seat_gear_dynamics", "bench"]
 
@@ -92,10 +96,12 @@ def test_a_replay_gives_the_logged_forces_bit_for_bit(done: tuple[Path, dict[str
     assert result.equal == result.messages
 
 
-def test_ctrl_c_ends_an_open_run_cleanly_with_a_complete_log(tmp_path: Path, environment: dict[str, str]) -> None:
+def test_ctrl_c_ends_an_open_run_on_a_map_cleanly_with_a_complete_log(
+    tmp_path: Path, environment: dict[str, str]
+) -> None:
     log = tmp_path / "run"
     process = subprocess.Popen(
-        [*BENCH, "--output", str(log), "--profile", "dwell-in-band"],
+        [*BENCH, "--output", str(log), "--profile", "dwell-in-band", "--map", "packaged"],
         env=environment,
         stdout=subprocess.PIPE,
         stderr=subprocess.PIPE,
@@ -116,6 +122,17 @@ def test_ctrl_c_ends_an_open_run_cleanly_with_a_complete_log(tmp_path: Path, env
     assert bag.closed
     assert bag.damage is None
     assert all(bag.topics[topic.absolute()].count > 0 for topic in TOPICS)
+    assert recorded_bands(bag) == band_source(load_train(), packaged_map(), None).label
+
+
+def test_a_map_that_is_none_is_refused_before_anything_starts(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    log = tmp_path / "run"
+    (tmp_path / "map.npz").write_bytes(b"no map")
+    assert main(["bench", "--output", str(log), "--map", str(tmp_path / "map.npz")]) == 1
+    assert "map.npz cannot be used" in capsys.readouterr().err
+    assert not log.exists()
 
 
 def test_a_node_that_dies_ends_the_run_with_a_sentence_and_a_closed_log(

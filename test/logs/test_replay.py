@@ -29,7 +29,7 @@ from seat_gear_dynamics.logs.topics import ORIGIN_NAMES
 from seat_gear_dynamics.logs.writer import BagWriter
 from seat_gear_dynamics.regimes import RegimeMap
 from seat_gear_dynamics.regimes.regime_map import fingerprint
-from seat_gear_dynamics.sensing import PACKAGED_MAP, BandSource, MapBands, Session, Verdict
+from seat_gear_dynamics.sensing import BandSource, MapBands, Session, Verdict, packaged_map
 from seat_gear_dynamics.sensing.virtual_sensor import SENSOR_STATE_NAMES
 
 NewLog = Callable[..., BagWriter]
@@ -322,7 +322,7 @@ def test_the_command_judges_by_a_map_and_says_that_the_log_was_judged_otherwise(
 ) -> None:
     described = packaged_description()
     log = str(Path(__file__).parents[2] / "bags" / "bench_dwell")
-    words = ["--system", str(described), "--map", str(described.with_name(PACKAGED_MAP)), "--json"]
+    words = ["--system", str(described), "--map", str(packaged_map()), "--json"]
     assert main(["replay", log, *words]) == 0
     values = json.loads(capsys.readouterr().out)
     assert values["what_if"] is True

@@ -131,13 +131,13 @@ def test_thresholds_change_while_it_runs_and_what_needs_a_new_model_does_not(pro
 
 
 def test_a_map_gives_bands_that_follow_the_load(processes: Processes, peer: Peer) -> None:
-    from seat_gear_dynamics.gears import load_train, packaged_description
+    from seat_gear_dynamics.gears import load_train
     from seat_gear_dynamics.gears.units import RPM
     from seat_gear_dynamics.regimes.regime_map import RegimeMap
-    from seat_gear_dynamics.sensing import PACKAGED_MAP, MapBands
+    from seat_gear_dynamics.sensing import MapBands, packaged_map
 
     train = load_train()
-    with packaged_description().with_name(PACKAGED_MAP).open("rb") as file:
+    with packaged_map().open("rb") as file:
         bands = MapBands(RegimeMap.load(file, train), train)
     light, heavy = 150.0, 600.0
     # Between the lower edges of the lowest bands: inside at the light load, well below every band at the heavy one.

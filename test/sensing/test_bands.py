@@ -7,10 +7,10 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from seat_gear_dynamics.gears import ForbiddenBand, GearTrain, load_train, packaged_description
+from seat_gear_dynamics.gears import ForbiddenBand, GearTrain, load_train
 from seat_gear_dynamics.gears.units import RPM
 from seat_gear_dynamics.regimes import MapError, RegimeMap
-from seat_gear_dynamics.sensing import PACKAGED_MAP, BandSource, MapBands, PublishedBands
+from seat_gear_dynamics.sensing import BandSource, MapBands, PublishedBands, packaged_map
 
 MakeMap = Callable[..., RegimeMap]
 STEP = 10.0  # rad/s from one speed of the made maps to the next
@@ -168,7 +168,7 @@ def test_published_bands_hold_at_every_load_and_have_no_probability(train: GearT
 
 def test_the_packaged_map_is_of_the_packaged_machine_and_covers_what_was_studied() -> None:
     train = load_train()
-    with packaged_description().with_name(PACKAGED_MAP).open("rb") as file:
+    with packaged_map().open("rb") as file:
         found = RegimeMap.load(file, train)
     source = MapBands(found, train)
     assert found.samples >= 20

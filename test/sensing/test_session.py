@@ -137,9 +137,9 @@ _PROGRAM = """
 from numba.core.event import Listener, install_listener
 from seat_gear_dynamics.bench.drive import SimulatedBench
 from seat_gear_dynamics.bench.profiles import PROFILES
-from seat_gear_dynamics.gears import load_train, packaged_description
+from seat_gear_dynamics.gears import load_train
 from seat_gear_dynamics.regimes.regime_map import RegimeMap
-from seat_gear_dynamics.sensing import PACKAGED_MAP, MapBands, PublishedBands, Session, warm_up
+from seat_gear_dynamics.sensing import MapBands, PublishedBands, Session, packaged_map, warm_up
 
 class Compiled(Listener):
     def on_start(self, event):
@@ -150,7 +150,7 @@ class Compiled(Listener):
 train = load_train()
 warm_up(train, announce=print)
 warm_up(train, announce=print)  # is no news
-with packaged_description().with_name(PACKAGED_MAP).open("rb") as file:
+with packaged_map().open("rb") as file:
     map_bands = MapBands(RegimeMap.load(file, train), train)
 with install_listener("numba:compile", Compiled()):
     for bands in (PublishedBands.of(train), map_bands):

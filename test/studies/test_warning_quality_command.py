@@ -9,9 +9,9 @@ import numpy as np
 import pytest
 
 from seat_gear_dynamics.commands import quality
-from seat_gear_dynamics.gears import GearTrain, load_train, packaged_description
+from seat_gear_dynamics.gears import GearTrain, load_train
 from seat_gear_dynamics.regimes import MapError, RegimeMap
-from seat_gear_dynamics.sensing import PACKAGED_MAP, MapBands, PublishedBands
+from seat_gear_dynamics.sensing import MapBands, PublishedBands, packaged_map
 from seat_gear_dynamics.studies.warning_quality.assess import Assessment
 from seat_gear_dynamics.studies.warning_quality.job import band_source
 from seat_gear_dynamics.studies.warning_quality.score import Tally, rates
@@ -64,7 +64,7 @@ def test_wrong_use_ends_with_two(words: str) -> None:
 
 
 def test_sources_are_named(train: GearTrain) -> None:
-    with packaged_description().with_name(PACKAGED_MAP).open("rb") as file:
+    with packaged_map().open("rb") as file:
         nominal = RegimeMap.load(file)
     assert isinstance(band_source("map", load_train(), nominal), MapBands)
     assert isinstance(band_source("published", train, nominal), PublishedBands)

@@ -8,12 +8,12 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from seat_gear_dynamics.gears import load_train, packaged_description
+from seat_gear_dynamics.gears import load_train
 from seat_gear_dynamics.gears.units import RPM
 from seat_gear_dynamics.logs.analysis import Analysis, ModelSettings, analyse
 from seat_gear_dynamics.logs.analysis.tables import tables
 from seat_gear_dynamics.regimes import RegimeMap
-from seat_gear_dynamics.sensing import PACKAGED_MAP, MapBands
+from seat_gear_dynamics.sensing import MapBands, packaged_map
 from seat_gear_dynamics.views.analysis import figures, page, summary, summary_lines
 from seat_gear_dynamics.views.analysis.page import Picture
 from seat_gear_dynamics.views.analysis.words import stretch_words
@@ -116,7 +116,7 @@ def bare(tmp_path_factory: pytest.TempPathFactory) -> Analysis:
 def on_a_map() -> Analysis:
     """The analysis of a log that was recorded on the published bands, held against the packaged map."""
     train = load_train()
-    with packaged_description().with_name(PACKAGED_MAP).open("rb") as file:
+    with packaged_map().open("rb") as file:
         bands = MapBands(RegimeMap.load(file, train), train)
     return analyse(ROOT / "bags" / "bench_dwell", train, bands=bands)
 

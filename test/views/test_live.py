@@ -79,3 +79,12 @@ def test_the_plain_line_says_the_same() -> None:
     assert "-1354 r/min" in line
     assert "ERROR: 1354 r/min is inside" in line
     assert plain_line(state()).count("–") == 2
+
+
+def test_of_a_monitor_on_a_map_the_band_it_names_is_shown_and_not_the_published_ones() -> None:
+    said = {"bands": "map 0123456789ab", "band (r/min)": "700-800"}
+    line = next(line for line in shown(state(details=said, speed_rpm=650.0)) if "Speed" in line)
+    assert "nearest band on the map 700-800" in line
+    assert "1349" not in line
+    line = next(line for line in shown(state(details={"bands": "map 0123456789ab"})) if "Speed" in line)
+    assert "nearest band on the map none" in line

@@ -4,10 +4,10 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from seat_gear_dynamics.gears import GearTrain, packaged_description
+from seat_gear_dynamics.gears import GearTrain
 from seat_gear_dynamics.logs.errors import LogError
 from seat_gear_dynamics.regimes.regime_map import MapError, RegimeMap
-from seat_gear_dynamics.sensing import PACKAGED_MAP, BandSource, MapBands, PublishedBands
+from seat_gear_dynamics.sensing import BandSource, MapBands, PublishedBands, packaged_map
 
 
 def band_source(train: GearTrain, path: Path | None, stated: str | None) -> BandSource:
@@ -26,7 +26,7 @@ def band_source(train: GearTrain, path: Path | None, stated: str | None) -> Band
     if stated in (None, published.label):
         return published
     try:
-        packaged = _map_bands(packaged_description().with_name(PACKAGED_MAP), train)
+        packaged = _map_bands(packaged_map(), train)
     except (MapError, OSError):
         return published
     return packaged if packaged.label == stated else published

@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 from seat_gear_dynamics.commands import main
-from seat_gear_dynamics.gears import GearTrain, load_train, packaged_description
+from seat_gear_dynamics.gears import GearTrain, load_train
 from seat_gear_dynamics.gears.units import RPM
 from seat_gear_dynamics.logs import topics
 from seat_gear_dynamics.logs.analysis import Analysis, ModelSettings, Source, analyse
@@ -28,7 +28,7 @@ from seat_gear_dynamics.logs.reader import Bag
 from seat_gear_dynamics.logs.run import read_run
 from seat_gear_dynamics.motion import System, integrate
 from seat_gear_dynamics.regimes import RegimeMap
-from seat_gear_dynamics.sensing import PACKAGED_MAP, MapBands, Session
+from seat_gear_dynamics.sensing import MapBands, Session, packaged_map
 
 SMALL = ModelSettings(dwells=1, sweep_points=3, map_speeds=3, transient=20, periods=50)
 
@@ -162,7 +162,7 @@ def test_a_log_of_a_monitor_on_the_packaged_map_is_judged_by_it(
     tmp_path: Path, capsys: pytest.CaptureFixture[str], generator: Any
 ) -> None:
     train = load_train()
-    with packaged_description().with_name(PACKAGED_MAP).open("rb") as file:
+    with packaged_map().open("rb") as file:
         bands = MapBands(RegimeMap.load(file, train), train)
     generator.write_log(tmp_path / "log", 8.5, bands=bands)
     assert main(["analyze", str(tmp_path / "log"), "--output", str(tmp_path / "out"), "--no-model", "--json"]) == 0

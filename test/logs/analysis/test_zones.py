@@ -11,7 +11,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from numpy.typing import NDArray
 
-from seat_gear_dynamics.gears import ForbiddenBand, GearTrain, load_train, packaged_description
+from seat_gear_dynamics.gears import ForbiddenBand, GearTrain, load_train
 from seat_gear_dynamics.gears.units import RPM
 from seat_gear_dynamics.logs.analysis.band_source import band_source
 from seat_gear_dynamics.logs.analysis.bands import BandStays
@@ -19,7 +19,7 @@ from seat_gear_dynamics.logs.analysis.batches import FORCE_COLUMNS, empty
 from seat_gear_dynamics.logs.analysis.zones import FixedZones, MovingZones, zones
 from seat_gear_dynamics.logs.errors import LogError
 from seat_gear_dynamics.regimes.regime_map import RegimeMap
-from seat_gear_dynamics.sensing import PACKAGED_MAP, MapBands, PublishedBands
+from seat_gear_dynamics.sensing import MapBands, PublishedBands, packaged_map
 
 Array = NDArray[np.float64]
 BANDS = (ForbiddenBand(100.0, 110.0, 600.0), ForbiddenBand(150.0, 200.0, 600.0))
@@ -92,7 +92,7 @@ def test_time_in_a_map_counts_by_its_nearest_load(chart: MapBands) -> None:
 @given(st.lists(st.integers(1, 9), min_size=1, max_size=12), st.integers(0, 3))
 def test_how_a_drive_is_cut_changes_no_stay_in_a_map(sizes: list[int], seed: int) -> None:
     train = load_train()
-    with packaged_description().with_name(PACKAGED_MAP).open("rb") as file:
+    with packaged_map().open("rb") as file:
         source = MapBands(RegimeMap.load(file, train), train)
     rng = np.random.default_rng(seed)
     rows = drive(rng.uniform(0, 2200, 60).tolist(), rng.uniform(0, 750, 60).tolist())
@@ -108,7 +108,7 @@ def test_how_a_drive_is_cut_changes_no_stay_in_a_map(sizes: list[int], seed: int
 
 def test_a_log_is_judged_by_the_bands_that_it_names(train: GearTrain) -> None:
     packaged = load_train()
-    label = band_source(packaged, packaged_description().with_name(PACKAGED_MAP), None).label
+    label = band_source(packaged, packaged_map(), None).label
     assert label.startswith("map ")
     assert band_source(packaged, None, label).label == label
     for machine, stated in ((packaged, None), (packaged, "published"), (packaged, "map 0123"), (train, label)):
@@ -122,7 +122,7 @@ def test_a_map_that_is_named_and_cannot_be_used_is_a_sentence(train: GearTrain, 
     cases = {
         tmp_path / "no.npz": "holds no regime map",
         tmp_path / "absent.npz": "No such file",
-        packaged_description().with_name(PACKAGED_MAP): "of another machine",
+        packaged_map(): "of another machine",
     }
     for path, words in cases.items():
         with pytest.raises(LogError, match=words):
