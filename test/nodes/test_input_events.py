@@ -8,7 +8,7 @@ from typing import Any
 import pytest
 from harness import Peer, Processes
 from monitored import Health, paced
-from ros import REAL_RCLPY
+from ros import ON_CYCLONE, REAL_RCLPY
 
 from seat_gear_dynamics.gears.units import RPM
 
@@ -43,6 +43,10 @@ from seat_gear_dynamics.nodes.monitor import main
 raise SystemExit(main())
 """
 
+tells_liveliness = pytest.mark.skipif(
+    not ON_CYCLONE, reason="Fast DDS tells liveliness to those alone who ask for a lease themselves"
+)
+
 
 @pytest.fixture
 def health(peer: Peer) -> Health:
@@ -58,6 +62,7 @@ def publisher(peer: Peer, **policies: Any) -> tuple[Any, Callable[[], None]]:
     return made, lambda: made.publish(Float64(data=900 * RPM))
 
 
+@tells_liveliness
 def test_a_publisher_that_hangs_loses_its_liveliness_and_finds_it_again(
     processes: Processes, peer: Peer, health: Health
 ) -> None:
@@ -87,6 +92,7 @@ def heard(health: Health) -> bool:
     return health.value("speed messages") > 0
 
 
+@tells_liveliness
 def test_the_process_of_a_publisher_is_killed(processes: Processes, peer: Peer, health: Health) -> None:
     processes.node("monitor")
     bench = processes.start("-c", BENCH)

@@ -2,12 +2,11 @@
 
 from __future__ import annotations
 
-import os
 from typing import Any
 
 import pytest
 from programs import MakeNode, Program, Run, SpinUntil
-from ros import PATH, REAL_RCLPY
+from ros import ON_CYCLONE, PATH, REAL_RCLPY
 
 from seat_gear_dynamics.runtime.messages import get_message, get_service
 
@@ -16,7 +15,6 @@ pytestmark = [
     pytest.mark.skipif(not REAL_RCLPY, reason="rclpy is not importable"),
 ]
 
-ON_CYCLONE = os.environ.get("RMW_IMPLEMENTATION") == "rmw_cyclonedds_cpp"
 cyclone_rmw = pytest.mark.skipif(not ON_CYCLONE, reason="services need rmw_cyclonedds_cpp")
 
 JointState = get_message("sensor_msgs/msg/JointState")

@@ -10,6 +10,8 @@ from seat_gear_dynamics.runtime import STAND_IN
 PATH = [entry for entry in sys.path if entry != STAND_IN]
 """Where programs of real ROS 2 look for their modules."""
 REAL_RCLPY = importlib.machinery.PathFinder.find_spec("rclpy", PATH) is not None
+ON_CYCLONE = not REAL_RCLPY or os.environ.get("RMW_IMPLEMENTATION") == "rmw_cyclonedds_cpp"
+"""Whether nodes speak through Cyclone DDS; Jazzy's default is Fast DDS."""
 
 
 def program(package: str, name: str) -> Path | None:
