@@ -7,8 +7,9 @@ from collections.abc import Sequence
 
 # Signals itself when so many rows were added to a journal.
 _PROGRAM = """
-import os, sys
+import os, signal, sys
 from itertools import count
+signal.signal(signal.SIGINT, signal.default_int_handler)  # which a job that a shell runs in the background ignores
 from seat_gear_dynamics.commands import journal, main
 number, rows, journal.NOTE_INTERVAL = int(sys.argv.pop(1)), int(sys.argv.pop(1)), float(sys.argv.pop(1))
 add, added = journal.Journal.add, count()
