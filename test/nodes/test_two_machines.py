@@ -74,6 +74,8 @@ while True:
             elif len(got[name]) == 1:
                 print(json.dumps({"forces": True}), flush=True)
     sleep(0.02)
+for writer in (speed, load):
+    writer.wait_for_acks(20 * 10**9)  # a writer that leaves repeats nothing that the line has just lost
 print(json.dumps({"sent": sent, **got}), flush=True)
 """
 
