@@ -67,7 +67,7 @@ def draw_notices(axes: Axes, found: Assessment) -> None:
     accelerations = sorted({of for of, _ in found.whole.notices})
     edges = np.linspace(0, LONGEST_NOTICE, 21)
     groups = [[notice for of, notice in found.whole.notices if of == each] for each in accelerations]
-    colours = LINE_COLOURS[: len(groups)]
+    colours = list(LINE_COLOURS[: len(groups)])  # a tuple of two is a colour and its opacity to matplotlib 3.8
     if groups:
         labels = [f"{each:g} r/min per s" for each in accelerations]
         axes.hist(groups, bins=edges, stacked=True, color=colours, label=labels)
