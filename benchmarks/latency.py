@@ -15,7 +15,6 @@ import argparse
 import json
 import os
 import random
-import signal
 import subprocess
 import sys
 import tempfile
@@ -28,6 +27,7 @@ from typing import Any
 import numpy as np
 
 from benchmarks import machine
+from benchmarks.monitor_process import monitor
 from benchmarks.ratio import Findings, Ratio
 
 FULL, SHORT = 100_000, 2_000
@@ -63,7 +63,7 @@ def run(count: int, rate: float) -> dict[str, Any]:
     domain = random.SystemRandom().randrange(1, 100)
     with (
         tempfile.TemporaryDirectory(prefix="seat_gear_latency_") as folder,
-        monitor(domain, Path(folder)),
+        monitor(domain, Path(folder), SETTINGS),
         Bench(domain) as bench,
     ):
         bench.ready()
@@ -154,25 +154,6 @@ class Bench:
         found = {name: (at - begin) * 1e-6 for name, at in self._times.items()}
         self._spin_until(start + period)
         return found if len(found) == 2 else None
-
-
-@contextmanager
-def monitor(domain: int, folder: Path) -> Iterator[None]:
-    """Run the monitor on a domain, its words in a file of `folder`."""
-    flags = [part for setting in SETTINGS for part in ("-p", setting)]
-    command = [sys.executable, "-m", "seat_gear_dynamics.nodes.monitor", "--ros-args", *flags]
-    with (folder / "monitor").open("wb") as words:
-        environment = {**os.environ, "ROS_DOMAIN_ID": str(domain)}
-        process = subprocess.Popen(command, stdout=words, stderr=words, env=environment)
-    try:
-        yield
-    finally:
-        process.send_signal(signal.SIGINT)
-        try:
-            process.wait(15.0)
-        except subprocess.TimeoutExpired:
-            process.kill()
-            process.wait()
 
 
 @contextmanager

@@ -11,14 +11,10 @@ Limit: what wears out with real time alone (sockets, leases, the system's clock)
 
 import argparse
 import json
-import os
 import random
-import signal
-import subprocess
 import sys
 import tempfile
-from collections.abc import Callable, Iterator
-from contextlib import contextmanager
+from collections.abc import Callable
 from pathlib import Path
 from time import monotonic
 from typing import Any
@@ -26,13 +22,14 @@ from typing import Any
 import numpy as np
 
 from benchmarks import machine
+from benchmarks.monitor_process import monitor
 from benchmarks.node import memory, processor_seconds
 from benchmarks.ratio import Findings, Ratio
 
 MINUTES, SHORT_MINUTES = 60.0, 10.0
 RATE = 50
 PROFILE = "up-down"
-SETTINGS = ("-p", "use_sim_time:=true", "-p", "input:=joint_states")  # whose stamps cannot overtake their clock
+SETTINGS = ("use_sim_time:=true", "input:=joint_states")  # whose stamps cannot overtake their clock
 LOST = 2.0  # s after which a sample counts as unanswered
 PATIENCE = 120.0
 EVERY = 10.0  # simulated s between two looks at the memory
@@ -49,7 +46,7 @@ def measure(
     domain = random.SystemRandom().randrange(1, 100)
     with (
         tempfile.TemporaryDirectory(prefix="seat_gear_soak_") as folder,
-        monitor(domain, Path(folder)) as process,
+        monitor(domain, Path(folder), SETTINGS) as process,
         Bench(domain) as bench,
     ):
         begin, spent = monotonic(), processor_seconds(process.pid)
@@ -186,24 +183,6 @@ class Bench:
             for key in keys
         }
         return {**found, "worst_level": dict(self._worst)}
-
-
-@contextmanager
-def monitor(domain: int, folder: Path) -> Iterator["subprocess.Popen[bytes]"]:
-    """Run the monitor on a domain in simulated time, its words in a file of `folder`."""
-    command = [sys.executable, "-m", "seat_gear_dynamics.nodes.monitor", "--ros-args", *SETTINGS]
-    with (folder / "monitor").open("wb") as words:
-        environment = {**os.environ, "ROS_DOMAIN_ID": str(domain)}
-        process = subprocess.Popen(command, stdout=words, stderr=words, env=environment)
-    try:
-        yield process
-    finally:
-        process.send_signal(signal.SIGINT)
-        try:
-            process.wait(15.0)
-        except subprocess.TimeoutExpired:
-            process.kill()
-            process.wait()
 
 
 def main() -> None:

@@ -35,7 +35,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         "--map",
         type=Path,
         metavar="F.npz",
-        help="judge by this regime map (default: the bands that the log's warnings name, else the published ones)",
+        help="judge by this map, or `packaged` (default: the bands that the log's warnings name, or published)",
     )
     parser.add_argument("--no-model", action="store_true", help="the log alone: no sweep, map and spectra beside it")
     parser.add_argument(

@@ -22,7 +22,7 @@ from seat_gear_dynamics.gears import load_train
 from seat_gear_dynamics.gears.units import RPM
 from seat_gear_dynamics.logs import topics
 from seat_gear_dynamics.logs.analysis.band_source import band_source
-from seat_gear_dynamics.sensing import packaged_map
+from seat_gear_dynamics.sensing import map_path
 from seat_gear_dynamics.views.live_screen import screen_on
 from seat_gear_dynamics.views.live_state import LiveState
 
@@ -55,7 +55,7 @@ class BenchRun:
         self._duration = duration
         self._profile, self._seed = profile_name, seed
         self._system = str(Path(system).absolute()) if system else ""
-        self.chart = None if chart is None else packaged_map() if chart == "packaged" else Path(chart).absolute()
+        self.chart = None if chart is None else map_path(chart).absolute()
         """The regime map that the monitor goes by; None: the published bands."""
         band_source(train, self.chart, None)  # a map that is none is refused before anything starts
         self._console = Console(quiet=quiet)

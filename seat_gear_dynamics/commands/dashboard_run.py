@@ -24,7 +24,7 @@ from seat_gear_dynamics.gears import GearTrain, load_train
 from seat_gear_dynamics.nodes.dashboard_listener import DashboardListener
 from seat_gear_dynamics.nodes.dashboard_snapshot import Snapshot
 from seat_gear_dynamics.regimes.regime_map import MapError, RegimeMap
-from seat_gear_dynamics.sensing.bands import MapBands, packaged_map
+from seat_gear_dynamics.sensing.bands import MapBands, map_path, packaged_map
 from seat_gear_dynamics.views.dashboard.access import Access, AccessError, is_loopback
 from seat_gear_dynamics.views.dashboard.board import Board
 from seat_gear_dynamics.views.dashboard.scene import Scene
@@ -182,7 +182,7 @@ def _scene(path: Path | None, train: GearTrain) -> Scene:
             return _mapped_scene(packaged_map(), train)
         except (MapError, OSError):
             return Scene(train)  # the packaged map is of the packaged machine alone
-    source = packaged_map() if str(path) == "packaged" else path
+    source = map_path(path)
     try:
         return _mapped_scene(source, train)
     except MapError as error:

@@ -32,7 +32,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         "--map",
         type=Path,
         metavar="F.npz",
-        help="judge warnings by this regime map (default: the published bands, or the packaged map if logged)",
+        help="judge warnings by this map, or `packaged` (default: published bands, or the packaged map if logged)",
     )
 
 

@@ -1,7 +1,6 @@
 """What a configured monitor has: model, alarm, inputs, outputs and timers; it runs while the node is active."""
 
 from collections.abc import Mapping
-from pathlib import Path
 from time import perf_counter
 from typing import Any
 
@@ -17,7 +16,7 @@ from seat_gear_dynamics.nodes.monitor_state import StateTicker, model_state
 from seat_gear_dynamics.nodes.process import StartError
 from seat_gear_dynamics.nodes.qos_events import QosEvents
 from seat_gear_dynamics.regimes.regime_map import MapError, RegimeMap
-from seat_gear_dynamics.sensing import BandSource, MapBands, PublishedBands, Session, packaged_map, warm_up
+from seat_gear_dynamics.sensing import BandSource, MapBands, PublishedBands, Session, map_path, warm_up
 
 _DIAGNOSTICS_PERIOD = 1.0  # s
 
@@ -175,7 +174,7 @@ def _bands(name: str, train: GearTrain) -> BandSource:
     """Return the bands of a map file, of the packaged map, or the published ones without a name."""
     if not name:
         return PublishedBands.of(train)
-    path = packaged_map() if name == "packaged" else Path(name)
+    path = map_path(name)
     try:
         with path.open("rb") as file:
             return MapBands(RegimeMap.load(file, train), train)

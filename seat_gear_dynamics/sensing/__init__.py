@@ -1,7 +1,7 @@
 """The same model beside a running bench: virtual sensor and alarm, with time and data as arguments."""
 
 from seat_gear_dynamics.sensing.alarm import Alarm, AlarmSettings, Verdict
-from seat_gear_dynamics.sensing.bands import BandSource, MapBands, PublishedBands, packaged_map
+from seat_gear_dynamics.sensing.bands import BandSource, MapBands, PublishedBands, map_path, packaged_map
 from seat_gear_dynamics.sensing.evidence import Evidence, Level
 from seat_gear_dynamics.sensing.reading import Contact, ForceWindow, Reading
 from seat_gear_dynamics.sensing.regime_watch import RegimeWatch
@@ -25,6 +25,7 @@ __all__ = [
     "Session",
     "Verdict",
     "VirtualSensor",
+    "map_path",
     "packaged_map",
     "warm_up",
 ]

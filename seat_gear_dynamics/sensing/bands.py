@@ -23,6 +23,11 @@ def packaged_map() -> Path:
     return packaged_description().with_name("height_adjuster_map.npz")
 
 
+def map_path(given: str | Path) -> Path:
+    """Return the path of a regime map that a person names: `packaged`, or a file."""
+    return packaged_map() if str(given) == "packaged" else Path(given)
+
+
 class BandSource(Protocol):
     """What an alarm asks of a source of bands; speeds are |speed| of s1 in rad/s, loads T4 in N·m."""
 

@@ -1,11 +1,9 @@
 """What the live view shows, as plain values."""
 
-import re
 from collections import deque
 from dataclasses import dataclass, field
 
-_BAND = re.compile(r"(\d{1,6})-(\d{1,6})")
-_PUBLISHED = "published"
+from seat_gear_dynamics.views.warning_said import PUBLISHED, band_said, source_said
 
 
 @dataclass
@@ -49,12 +47,12 @@ class LiveState:
     @property
     def by_published_bands(self) -> bool:
         """Whether the monitor goes by the published bands, as far as is known."""
-        return self.details.get("bands", _PUBLISHED) == _PUBLISHED
+        return source_said(self.details) == PUBLISHED
 
     @property
     def forbidden_rpm(self) -> tuple[tuple[float, float], ...]:
         """The bands to show: of a monitor that goes by a map only the nearest is known, as its warning says it."""
         if self.by_published_bands:
             return self.bands_rpm
-        found = _BAND.fullmatch(self.details.get("band (r/min)", ""))
-        return ((float(found[1]), float(found[2])),) if found else ()
+        nearest = band_said(self.details)
+        return () if nearest is None else (nearest,)

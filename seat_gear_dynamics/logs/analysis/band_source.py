@@ -7,11 +7,11 @@ from pathlib import Path
 from seat_gear_dynamics.gears import GearTrain
 from seat_gear_dynamics.logs.errors import LogError
 from seat_gear_dynamics.regimes.regime_map import MapError, RegimeMap
-from seat_gear_dynamics.sensing import BandSource, MapBands, PublishedBands, packaged_map
+from seat_gear_dynamics.sensing import BandSource, MapBands, PublishedBands, map_path, packaged_map
 
 
 def band_source(train: GearTrain, path: Path | None, stated: str | None) -> BandSource:
-    """Return the bands of the map at `path`; without one those whose label `stated` a log's warnings name.
+    """Return the bands of the map at `path` (or `packaged`); without one those whose label `stated` a log names.
 
     Known by their label are the published bands of `train` and the packaged map; for any other one, and for a log that
     names none, the published ones are returned, so hold the label of what is returned against `stated`. Raises LogError
@@ -19,7 +19,7 @@ def band_source(train: GearTrain, path: Path | None, stated: str | None) -> Band
     """
     if path is not None:
         try:
-            return _map_bands(path, train)
+            return _map_bands(map_path(path), train)
         except (MapError, OSError) as error:
             raise LogError(f"The map {path} cannot be used: {error}") from error
     published = PublishedBands.of(train)

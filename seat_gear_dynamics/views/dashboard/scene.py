@@ -1,18 +1,16 @@
 """What stands still behind the moving picture: scales, the machine, the regime map, and the bands that a monitor may
 go by."""
 
-import re
 from collections.abc import Mapping, Sequence
 from typing import Any, NamedTuple, Protocol
 
 from seat_gear_dynamics.gears import ForbiddenBand, GearTrain
 from seat_gear_dynamics.gears.units import RPM
 from seat_gear_dynamics.regimes.regime_map import NAMES, RegimeMap
+from seat_gear_dynamics.views.warning_said import PUBLISHED, band_said, source_said
 
 Bands = list[list[float]]
-_BAND = re.compile(r"([0-9]{1,6}(?:\.[0-9]{1,6})?)[-–]([0-9]{1,6}(?:\.[0-9]{1,6})?)")
 _LABEL = 40  # characters of a source's name that are shown
-_PUBLISHED = "published"
 _ROUNDED = 1.0  # r/min; the monitor says its band to the whole r/min
 
 
@@ -65,21 +63,21 @@ class Scene:
 
         Before any warning those are shown that a monitor goes by which is told nothing: the published ones.
         """
-        label = said.get("bands", _PUBLISHED)
+        label = source_said(said)
         if self._map_bands is not None and label == self._map_bands.label:
             return self._of_the_map(load)
-        own = _band_said(said)
-        if label == _PUBLISHED and (own is None or any(_same(own, band) for band in self._published)):
+        own = band_said(said)
+        if label == PUBLISHED and (own is None or any(_same(own, band) for band in self._published)):
             return Shown(self._published, self._published_words(), self._covered)
         unknown = (
             f"the nearest of those that the monitor goes by ({label[:_LABEL]}), which this page was not given: "
             "start the dashboard with --map and --system as the monitor has them"
         )
-        return Shown([] if own is None else [own], unknown, self._covered)
+        return Shown([] if own is None else [list(own)], unknown, self._covered)
 
     def caution(self, rpm: float | None, load: float | None, said: Mapping[str, str]) -> str | None:
         """Return in words that the map forbids a speed, where the monitor goes by other bands than the map's."""
-        if self._map_bands is None or said.get("bands", _PUBLISHED) == self._map_bands.label:
+        if self._map_bands is None or source_said(said) == self._map_bands.label:
             return None
         if rpm is None or load is None or not any(low <= abs(rpm) <= high for low, high in self._at(load)):
             return None
@@ -140,12 +138,6 @@ class Scene:
             "codes": self._map.codes.tolist(),
             "names": list(NAMES),
         }
-
-
-def _band_said(said: Mapping[str, str]) -> list[float] | None:
-    """Return the band that the monitor says to be nearest, r/min."""
-    found = _BAND.fullmatch(said.get("band (r/min)", ""))
-    return None if found is None else [float(found[1]), float(found[2])]
 
 
 def _same(one: Sequence[float], other: Sequence[float]) -> bool:

@@ -127,3 +127,8 @@ def test_a_map_that_is_named_and_cannot_be_used_is_a_sentence(train: GearTrain, 
     for path, words in cases.items():
         with pytest.raises(LogError, match=words):
             band_source(train, path, None)
+
+
+def test_the_packaged_map_may_be_called_by_its_word() -> None:
+    train = load_train()
+    assert band_source(train, Path("packaged"), None).label == band_source(train, packaged_map(), None).label
