@@ -76,7 +76,6 @@ def round_of(
     """Yield what the bench and the monitor, on these bands, publish in a round of a profile or its first `seconds`."""
     bench = SimulatedBench(played, sample_time=STEP_NS * 1e-9, seed=seed)
     session = Session(train, bands=bands)
-    label = session.alarm.source.label
     for step in range(1, 1 + int((seconds or played.duration) * 1e9) // STEP_NS):
         sample = bench.step()
         now = BEGIN_NS + step * STEP_NS
@@ -93,7 +92,7 @@ def round_of(
         yield written(topics.JOINT_STATES, joint, offset, "stamp")
         change = session.feed((now - FIRST_NS) * 1e-9, sample.speed, sample.load)
         if change.changed or step % EVERY_WARNING == 0:
-            text = messages.chaos_warning("gear_monitor: chaos warning", change.verdict, change.reading, label)
+            text = messages.chaos_warning("gear_monitor: chaos warning", change.verdict, change.sample)
             yield written(topics.IN_FORBIDDEN_BAND, Bool(data=change.verdict.in_band), offset, "")
             yield written(topics.CHAOS_WARNING, text, offset, "")
         yield written(topics.MODEL_INPUT, messages.model_input(now, sample.speed, sample.load), offset, "stamp")
@@ -104,7 +103,7 @@ def round_of(
         if step % EVERY_WARNING == 0:
             yield written(topics.POINCARE, messages.poincare(now, session.section, FIRST_NS), offset, "cloud")
         if step % EVERY_DIAGNOSTICS == 0:
-            status = messages.chaos_warning("gear_monitor: warning", change.verdict, change.reading, label)
+            status = messages.chaos_warning("gear_monitor: warning", change.verdict, change.sample)
             array = DiagnosticArray(header=Header(stamp=messages.stamp(now)), status=[status])
             yield written(topics.DIAGNOSTICS, array, offset, "stamp")
 

@@ -10,7 +10,7 @@ from sensor_msgs.msg import JointState, PointCloud2, PointField
 from std_msgs.msg import Header
 
 from seat_gear_dynamics.gears.units import RPM
-from seat_gear_dynamics.sensing import Contact, ForceWindow, Level, Reading, Verdict
+from seat_gear_dynamics.sensing import Accepted, Contact, ForceWindow, Level, Verdict
 
 LEVELS = {
     Level.OK: DiagnosticStatus.OK,
@@ -94,25 +94,25 @@ def status(level: Level, name: str, text: str, values: Mapping[str, object]) -> 
     )
 
 
-def chaos_warning(name: str, verdict: Verdict, reading: Reading | None, bands: str = "published") -> DiagnosticStatus:
+def chaos_warning(name: str, verdict: Verdict, sample: Accepted | None) -> DiagnosticStatus:
     """Return the warning with speed, load, band, distance, regime, evidence and the nearest calm speed."""
-    return status(verdict.level, name, verdict.reason, warning_values(verdict, reading, bands))
+    return status(verdict.level, name, verdict.reason, warning_values(verdict, sample))
 
 
-def warning_values(verdict: Verdict, reading: Reading | None, bands: str) -> dict[str, object]:
-    """Return what a verdict rests on, by keys with units; `reading` is of its sample, `bands` their source."""
+def warning_values(verdict: Verdict, sample: Accepted | None) -> dict[str, object]:
+    """Return what a verdict rests on, by keys with units; `sample` is the last that was judged."""
     band = verdict.band
     return {
-        "speed (r/min)": reading.speed / RPM if reading else None,
-        "load (N·m)": reading.load if reading else None,
-        "bands": bands,
+        "speed (r/min)": sample.speed / RPM if sample else None,
+        "load (N·m)": sample.load if sample else None,
+        "bands": verdict.bands,
         "band (r/min)": f"{band.low / RPM:.0f}-{band.high / RPM:.0f}" if band else None,
         "distance to band (r/min)": _rpm(verdict.distance),
         "time to band (s)": verdict.time_to_band,
-        "regime": reading.regime.name if reading else "undecided",
-        "period": reading.regime.period if reading else None,
-        "lyapunov": reading.regime.lyapunov if reading else None,
-        "evidence": reading.regime.reason if reading else "no input yet",
+        "regime": sample.regime.name if sample else "undecided",
+        "period": sample.regime.period if sample else None,
+        "lyapunov": sample.regime.lyapunov if sample else None,
+        "evidence": sample.regime.reason if sample else "no input yet",
         "nearest calm speed (r/min)": _rpm(verdict.calm_speed),
         "probability of danger": verdict.danger,
         "probability of chaos by the map": verdict.probability,

@@ -71,11 +71,10 @@ class WarningHealth:
 
     name = "warning"
 
-    def __init__(self, session: Session, bands: str) -> None:
-        """`bands` says where the bands come from."""
-        self._session, self._bands = session, bands
+    def __init__(self, session: Session) -> None:
+        self._session = session
 
     def run(self, status: Status) -> None:
         """Say the verdict."""
         verdict = self._session.verdict
-        status.say(verdict.level, verdict.reason, messages.warning_values(verdict, self._session.reading, self._bands))
+        status.say(verdict.level, verdict.reason, messages.warning_values(verdict, self._session.sample))

@@ -16,7 +16,7 @@ from std_msgs.msg import Bool, Header
 from seat_gear_dynamics.logs import topics
 from seat_gear_dynamics.nodes import messages
 from seat_gear_dynamics.nodes.qos_events import QosEvents
-from seat_gear_dynamics.sensing import Contact, ForceWindow, Reading, Verdict
+from seat_gear_dynamics.sensing import Accepted, Contact, ForceWindow, Verdict
 
 TRIP_DEADLINE = 2.0
 """s between two trip signals that the publisher promises: a subscriber may ask to be told when they cease."""
@@ -31,10 +31,10 @@ _TRIP = {tripped: serialize_message(Bool(data=tripped)) for tripped in (False, T
 
 
 class Outputs:
-    """Publishes what the monitor says; `name` is the node's in the statuses, `bands` where the bands come from."""
+    """Publishes what the monitor says; `name` is the node's in the statuses."""
 
-    def __init__(self, node: LifecycleNode, name: str, bands: str, events: QosEvents) -> None:
-        self._node, self._events, self._name, self._bands = node, events, name, bands
+    def __init__(self, node: LifecycleNode, name: str, events: QosEvents) -> None:
+        self._node, self._events, self._name = node, events, name
         self._made: list[Any] = []
         self._trip = self._publisher(topics.IN_FORBIDDEN_BAND, TRIP_DEADLINE)
         self._warning = self._publisher(topics.CHAOS_WARNING)
@@ -56,14 +56,14 @@ class Outputs:
         self._made.append(made)
         return made
 
-    def warn(self, verdict: Verdict, reading: Reading | None) -> None:
+    def warn(self, verdict: Verdict, sample: Accepted | None) -> None:
         """Publish a verdict: the trip signal first, which has been encoded before, for whoever acts on it."""
         self.trip(verdict.in_band)
-        self.verdict(verdict, reading)
+        self.verdict(verdict, sample)
 
-    def verdict(self, verdict: Verdict, reading: Reading | None) -> None:
-        """Publish the warning alone."""
-        self._warning.publish(messages.chaos_warning(f"{self._name}: chaos warning", verdict, reading, self._bands))
+    def verdict(self, verdict: Verdict, sample: Accepted | None) -> None:
+        """Publish the warning alone; `sample` is the last that was judged."""
+        self._warning.publish(messages.chaos_warning(f"{self._name}: chaos warning", verdict, sample))
 
     def trip(self, tripped: bool) -> None:
         """Publish the trip signal."""

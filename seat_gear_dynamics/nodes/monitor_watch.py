@@ -43,9 +43,9 @@ class Watch:
             max(train.model.covered_speed, bands.covered_speed), train.model.max_speed, train.model.max_load
         )
         self._intake = Intake(node, settings, limits, events, self._feed)
-        self._outputs = Outputs(node, name, bands.label, events)
+        self._outputs = Outputs(node, name, events)
         self._solver = SolverHealth(self._session, settings["publish_rate"])
-        tasks = (self._intake.health, self._solver, WarningHealth(self._session, bands.label), events)
+        tasks = (self._intake.health, self._solver, WarningHealth(self._session), events)
         self._updater = Updater(name, tasks)
         self._state_ticker = StateTicker(settings["state_period"])
         self._forces_due = False
@@ -66,7 +66,7 @@ class Watch:
         self._destroy_timers()
         self._session.silence("no input is watched: the monitor was deactivated")
         self._outputs.trip(True)
-        self._outputs.verdict(self._session.verdict, self._session.reading)
+        self._outputs.verdict(self._session.verdict, self._session.sample)
 
     def close(self) -> None:
         """Give everything back."""
@@ -112,17 +112,18 @@ class Watch:
         self._timers = []
 
     def _feed(self, stamp_ns: int, t: float, speed: float, load: float) -> None:
-        """Feed one sample; what it changes in the warning goes out at once, before all else and without any timer."""
+        """Take one sample; what it changes in the warning goes out at once, before the model moves and any timer."""
+        judged = self._session.judge(t, speed, load)
+        if judged.changed:
+            self._outputs.warn(judged.verdict, judged.sample)
         begin = perf_counter()
-        change = self._session.feed(t, speed, load)
-        if change.changed:
-            self._outputs.warn(change.verdict, change.reading)
+        reading = self._session.advance(judged.sample)
+        self._solver.fed(perf_counter() - begin, reading)
         self._stamp_ns = stamp_ns
-        self._solver.fed(perf_counter() - begin, change.reading)
         self._outputs.fed(stamp_ns, speed, load)
         self._publish_forces()
-        if change.reading.event not in ("running", "started"):
-            self._complain(f"the model restarted: {change.reading.event}")
+        if reading.event not in ("running", "started"):
+            self._complain(f"the model restarted: {reading.event}")
 
     def _on_publish(self) -> None:
         self._solver.published(self._now())
@@ -151,7 +152,7 @@ class Watch:
             self._outputs.section(self._stamp_ns, self._session.section, self._intake.origin_ns)
 
     def _publish_warning(self) -> None:
-        self._outputs.warn(self._session.verdict, self._session.reading)
+        self._outputs.warn(self._session.verdict, self._session.sample)
 
     def _on_diagnostics(self) -> None:
         self._outputs.diagnostics(self._now(), self._updater.update())

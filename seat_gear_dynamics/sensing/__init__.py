@@ -3,12 +3,13 @@
 from seat_gear_dynamics.sensing.alarm import Alarm, AlarmSettings, Verdict
 from seat_gear_dynamics.sensing.bands import BandSource, MapBands, PublishedBands, map_path, packaged_map
 from seat_gear_dynamics.sensing.evidence import Evidence, Level
-from seat_gear_dynamics.sensing.reading import Contact, ForceWindow, Reading
+from seat_gear_dynamics.sensing.reading import Accepted, Contact, ForceWindow, Reading
 from seat_gear_dynamics.sensing.regime_watch import RegimeWatch
-from seat_gear_dynamics.sensing.session import Change, Session, warm_up
+from seat_gear_dynamics.sensing.session import Change, Judgement, Session, warm_up
 from seat_gear_dynamics.sensing.virtual_sensor import RejectedSampleError, VirtualSensor
 
 __all__ = [
+    "Accepted",
     "Alarm",
     "AlarmSettings",
     "BandSource",
@@ -16,6 +17,7 @@ __all__ = [
     "Contact",
     "Evidence",
     "ForceWindow",
+    "Judgement",
     "Level",
     "MapBands",
     "PublishedBands",

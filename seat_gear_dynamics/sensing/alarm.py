@@ -4,19 +4,14 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from math import isfinite
 
-import numpy as np
-from numpy.typing import NDArray
-
 from seat_gear_dynamics.gears import ForbiddenBand, GearTrain
 from seat_gear_dynamics.gears.units import RPM
 from seat_gear_dynamics.regimes import Regime
 from seat_gear_dynamics.sensing import approach
 from seat_gear_dynamics.sensing.bands import Bands, BandSource, PublishedBands
-from seat_gear_dynamics.sensing.evidence import Evidence, Level, Motion, closeness, scatter_of, together, warns, weigh
+from seat_gear_dynamics.sensing.evidence import Evidence, Level, Motion, closeness, together, warns, weigh
 from seat_gear_dynamics.sensing.latch import Latch
 from seat_gear_dynamics.sensing.track import Track
-
-Array = NDArray[np.float64]
 
 _SURE = 3.0  # standard errors: noise crosses a border this far away once in some hundred samples
 _FIRM = 4.0  # standard errors of a fit: ten of them a second, each without common samples, cross it once in an hour
@@ -120,13 +115,13 @@ class Alarm:
         speed: float,
         load: float,
         regime: Regime,
-        section: Array | None = None,
+        scatter: float | None = None,
         *,
         settled: bool = True,
     ) -> Verdict:
         """Return the verdict at time `t` (s) for `speed` (rad/s of s1), `load` (N·m) and the motion's `regime`.
 
-        `section` are the last section points (n, 2 or more), whose scatter is evidence where the regime is undecided;
+        `scatter` is that of the last section points, see `scatter_of`, and evidence where the regime is undecided;
         the motion of a model that is not `settled` since it was put at rest is no evidence.
         """
         if self._speed.last is not None and t < self._speed.last:
@@ -139,7 +134,7 @@ class Alarm:
         ahead = self._time_to_band(bands, magnitude, torque)
         self._track(bands, magnitude)
         chance = self.source.probability(magnitude, torque)
-        motion = self._weigh(t, regime, section, chance, settled=settled)
+        motion = self._weigh(t, regime, scatter, chance, settled=settled)
         signs = [*_from_motion(magnitude, torque, regime, motion), *_from_map(magnitude, torque, chance)]
         evidence = _weightiest_first([*self._from_bands(bands, magnitude, ahead), *signs])
         level, reason = self._judge(magnitude, torque, evidence)
@@ -224,15 +219,13 @@ class Alarm:
             return bands
         return (*self.source.at(self._load.fitted - off), *self.source.at(self._load.fitted + off), *bands)
 
-    def _weigh(self, t: float, regime: Regime, section: Array | None, chance: float | None, *, settled: bool) -> Motion:
+    def _weigh(self, t: float, regime: Regime, scatter: float | None, chance: float | None, *, settled: bool) -> Motion:
         """Return what the running model says, and follow how long it has said chaos."""
         if regime.name != "chaotic":
             self._chaotic_since = None
         elif self._chaotic_since is None:
             self._chaotic_since = t
         lasting = 0 if self._chaotic_since is None else int((t - self._chaotic_since) / _RECORD)
-        undecided = regime.name == "undecided" and regime.lyapunov is not None
-        scatter = scatter_of(section) if undecided and section is not None else None
         return weigh(regime, chance, scatter, lasting=lasting, settled=settled)
 
     def _from_bands(self, bands: Bands, magnitude: float, ahead: float | None) -> list[Evidence]:

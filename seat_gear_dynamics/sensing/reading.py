@@ -81,6 +81,22 @@ class Contact:
 
 
 @dataclass(frozen=True)
+class Accepted:
+    """A sample that the virtual sensor takes, and what is known of the motion before the model is moved to it."""
+
+    t: float
+    """Time of the sample, s."""
+    speed: float
+    """rad/s of s1"""
+    load: float
+    """T4, N·m"""
+    event: str
+    """As of a `Reading`; that the solution diverges is known only afterwards."""
+    regime: Regime
+    """Of P12 up to the sample before; undecided where the drive has left the one it was judged at."""
+
+
+@dataclass(frozen=True)
 class Reading:
     """What the virtual sensor says after a sample."""
 

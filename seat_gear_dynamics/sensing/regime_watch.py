@@ -35,22 +35,30 @@ class RegimeWatch:
         self._points = np.empty((_ROOM, 5))
         self.reset("no section point yet")
 
-    def reset(self, reason: str) -> None:
-        """Forget record and noise; the regime is undecided with `reason` until there is a new record."""
+    def reset(self, reason: str) -> Regime:
+        """Forget record and noise; the regime, which is returned, is undecided with `reason` until a new record."""
         self._frequency.forget()
         self._load.forget()
         self._begin(reason)
+        return self.regime
 
-    def add(self, points: Array, t: float, frequency: float, load: float) -> Regime:
-        """Take new section points, (n, 5) as `kernel.SECTION_COLUMNS`, met at this drive up to time `t`, s.
+    def drive(self, t: float, frequency: float, load: float) -> Regime:
+        """Take the drive at time `t`, s, before the motion up to there is known; the record begins anew if it moved.
 
-        `frequency` is dimensionless, `load` in N·m; times must not decrease. Returns the regime.
+        `frequency` is dimensionless, `load` in N·m; times must not decrease. Returns the regime so far.
         """
         moved = self._frequency.moved(t, frequency), self._load.moved(t, load)
         if any(moved):
             self._frequency.begin(t, frequency)
             self._load.begin(t, load)
             self._begin("the drive is not steady")
+        return self.regime
+
+    def add(self, points: Array) -> Regime:
+        """Take the section points, (n, 5) as `kernel.SECTION_COLUMNS`, met on the way to the last drive.
+
+        Returns the regime.
+        """
         if len(points):
             self._take(points)
         return self.regime

@@ -11,8 +11,8 @@ from seat_gear_dynamics.motion.compiling import Announce, announced
 from seat_gear_dynamics.regimes import warm_up as warm_up_judgement
 from seat_gear_dynamics.sensing.alarm import Alarm, AlarmSettings, Verdict
 from seat_gear_dynamics.sensing.bands import BandSource, PublishedBands
-from seat_gear_dynamics.sensing.evidence import Level
-from seat_gear_dynamics.sensing.reading import ForceWindow, Reading
+from seat_gear_dynamics.sensing.evidence import Level, scatter_of
+from seat_gear_dynamics.sensing.reading import Accepted, ForceWindow, Reading
 from seat_gear_dynamics.sensing.virtual_sensor import VirtualSensor
 
 Array = NDArray[np.float64]
@@ -24,18 +24,27 @@ must hold none of them. Limit: transients that last longer are taken for motion 
 
 
 @dataclass(frozen=True)
-class Change:
-    """What one sample changed that must not wait: the verdict, and whether level or trip signal moved with it."""
+class Judgement:
+    """What must not wait for the model: a sample's verdict, and whether level or trip signal moved with it."""
 
-    reading: Reading
+    sample: Accepted
     verdict: Verdict
     changed: bool
 
 
-class Session:
-    """Feeds samples to sensor and alarm and gathers their results between two publications.
+@dataclass(frozen=True)
+class Change(Judgement):
+    """All that one sample brought."""
 
-    The node, the command line and a replay all go through here, so that they agree bit for bit.
+    reading: Reading
+
+
+class Session:
+    """Feeds samples to alarm and sensor and gathers their results between two publications.
+
+    The node, the command line and a replay all go through here, so that they agree bit for bit. A sample is judged
+    before the model is advanced to it, so that a warning does not wait for the model: where the drive is and where it
+    is heading are this sample's, what its motion says is that of the samples before.
     """
 
     def __init__(
@@ -50,28 +59,47 @@ class Session:
         """Start a session of `train`; `bands` are the published ones until a source such as `MapBands` is given."""
         self.sensor = VirtualSensor(train, max_gap=max_gap)
         self.alarm = Alarm(bands or PublishedBands.of(train), settings=settings)
+        self.sample: Accepted | None = None
+        """The last one that was judged; None before any."""
         self.reading: Reading | None = None
+        """Of the last one that the model was advanced to; None before any."""
         self.section: Array = np.empty((0, 3))
         """The last section points, at most `section_points`, shape (n, 3): δ/b_c, dimensionless rate, t in s."""
         self.verdict = self.alarm.stale("no input yet")
         self._room = section_points
+        self._scatter: float | None = None
         self._began = -inf
         self._windows = (ForceWindow(), ForceWindow())
 
     def feed(self, t: float, speed: float, load: float) -> Change:
         """Take a sample (s, rad/s of s1, N·m); raises RejectedSampleError where the sensor refuses it."""
-        reading = self.sensor.update(t, speed, load)
-        if reading.event != "running":
-            self.section = np.empty((0, 3))
-        if len(reading.section):
-            self.section = np.concatenate([self.section, reading.section])[-self._room :]
+        judged = self.judge(t, speed, load)
+        return Change(judged.sample, judged.verdict, judged.changed, self.advance(judged.sample))
+
+    def judge(self, t: float, speed: float, load: float) -> Judgement:
+        """Take a sample as `feed` does, but leave the model where it is: `advance` is to follow, once."""
+        sample = self.sensor.accept(t, speed, load)
+        if sample.event != "running":
+            self._begin(t)
+        settled = t - self._began >= SETTLING
+        verdict = self.alarm.update(t, speed, load, sample.regime, self._scatter, settled=settled)
+        changed = (verdict.level, verdict.in_band) != (self.verdict.level, self.verdict.in_band)
+        self.sample, self.verdict = sample, verdict
+        return Judgement(sample, verdict, changed)
+
+    def advance(self, sample: Accepted) -> Reading:
+        """Advance the model to the sample that was judged last; returns what happened since the one before."""
+        reading = self.sensor.advance(sample)
+        if reading.event == "diverged":
+            self._begin(sample.t)
         first, second = (a.merged(b) for a, b in zip(self._windows, reading.windows, strict=True))
         self._windows = (first, second)
+        if len(reading.section):
+            self.section = np.concatenate([self.section, reading.section])[-self._room :]
+            undecided = reading.regime.name == "undecided" and reading.regime.lyapunov is not None
+            self._scatter = scatter_of(self.section) if undecided else None
         self.reading = reading
-        if reading.event != "running":
-            self._began = t
-        settled = t - self._began >= SETTLING
-        return self._follow(reading, self.alarm.update(t, speed, load, reading.regime, self.section, settled=settled))
+        return reading
 
     def silence(self, reason: str) -> bool:
         """Tell the alarm that inputs are missing; return True if this changed level or trip signal."""
@@ -83,10 +111,7 @@ class Session:
     def reset(self) -> None:
         """Start over: the next sample puts the train at rest. Counts are kept."""
         self.sensor.reset()
-        self.verdict = self.alarm.stale("reset, waiting for input")
-        self.reading = None
-        self.section = np.empty((0, 3))
-        self._windows = (ForceWindow(), ForceWindow())
+        self._forget("reset, waiting for input")
 
     def resume(self, state: Array) -> None:
         """Go on from a sensor's `state`, as taken when force windows had just been taken.
@@ -95,20 +120,25 @@ class Session:
         Raises ValueError for what is no such state.
         """
         self.sensor.state = state
-        self.verdict = self.alarm.stale("set to a state, waiting for input")
-        self.reading = None
-        self.section = np.empty((0, 3))
-        self._windows = (ForceWindow(), ForceWindow())
+        self._forget("set to a state, waiting for input")
 
     def take_windows(self) -> tuple[ForceWindow, ForceWindow]:
         """Return the force windows gathered since this was last called, and start new ones."""
         gathered, self._windows = self._windows, (ForceWindow(), ForceWindow())
         return gathered
 
-    def _follow(self, reading: Reading, verdict: Verdict) -> Change:
-        changed = (verdict.level, verdict.in_band) != (self.verdict.level, self.verdict.in_band)
-        self.verdict = verdict
-        return Change(reading, verdict, changed)
+    def _begin(self, t: float) -> None:
+        """Begin a motion at rest: what was seen of the one before is no evidence any more."""
+        self._began = t
+        self.section = np.empty((0, 3))
+        self._scatter = None
+
+    def _forget(self, reason: str) -> None:
+        self.verdict = self.alarm.stale(reason)
+        self.sample = self.reading = None
+        self.section = np.empty((0, 3))
+        self._scatter = None
+        self._windows = (ForceWindow(), ForceWindow())
 
 
 def warm_up(train: GearTrain, *, announce: Announce | None = None) -> None:

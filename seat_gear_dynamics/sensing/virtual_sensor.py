@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 from seat_gear_dynamics.gears import GearTrain
 from seat_gear_dynamics.motion import Inputs, March, System, Window
 from seat_gear_dynamics.motion.march import WHOLE_NAMES, DivergedError
-from seat_gear_dynamics.sensing.reading import Contact, ForceWindow, Reading
+from seat_gear_dynamics.sensing.reading import Accepted, Contact, ForceWindow, Reading
 from seat_gear_dynamics.sensing.regime_watch import RegimeWatch
 
 Array = NDArray[np.float64]
@@ -90,23 +90,40 @@ class VirtualSensor:
 
         Returns what happened since the sample before. Raises RejectedSampleError for a sample that cannot be used.
         """
+        return self.advance(self.accept(t, speed, load))
+
+    def accept(self, t: float, speed: float, load: float) -> Accepted:
+        """Take a sample as `update` does, but leave the model where it is: `advance` is to follow, once.
+
+        This takes microseconds where the model may take milliseconds, so a warning need not wait for it. Raises
+        RejectedSampleError as `update` does.
+        """
         self._check(t, speed, load)
-        inputs = Inputs(self.train.frequency(speed), load)
         event = self._event(t)
-        if event != "running":
-            return self._restart(t, speed, inputs, event)
-        assert self._last is not None
+        if event == "running":
+            regime = self._watch.drive(t, self.train.frequency(speed), load)
+        else:
+            regime = self._watch.reset(f"the model restarted ({event})")
+        return Accepted(t, speed, load, event, regime)
+
+    def advance(self, sample: Accepted) -> Reading:
+        """Advance the model to the sample that was accepted last; returns what happened since the one before."""
+        inputs = Inputs(self.train.frequency(sample.speed), sample.load)
+        if sample.event != "running":
+            return self._restart(sample, inputs, sample.event)
+        assert self._last is not None, "a sample is accepted before the model is advanced to it"
         pieces: list[Array] = []
         start = (self._tau(self._last[0]), self._last[1])
         try:
-            windows = self._march.advance(start, (self._tau(t), inputs), pieces.append)
+            windows = self._march.advance(start, (self._tau(sample.t), inputs), pieces.append)
         except DivergedError:
-            return self._restart(t, speed, inputs, "diverged")
-        self._last = (t, inputs)
+            self._watch.reset("the model restarted (diverged)")
+            return self._restart(sample, inputs, "diverged")
+        self._last = (sample.t, inputs)
         self.counts["accepted"] += 1
         points = np.concatenate(pieces) if pieces else np.empty((0, 5))
-        self._watch.add(points, t, inputs.frequency, load)
-        return self._reading(t, speed, inputs, event, windows, points)
+        self._watch.add(points)
+        return self._reading(sample, inputs, sample.event, windows, points)
 
     def _check(self, t: float, speed: float, load: float) -> None:
         model = self.train.model
@@ -144,21 +161,19 @@ class VirtualSensor:
             return "clock stepped back"
         return "gap" if t - self._last[0] > self.max_gap else "running"
 
-    def _restart(self, t: float, speed: float, inputs: Inputs, event: str) -> Reading:
+    def _restart(self, sample: Accepted, inputs: Inputs, event: str) -> Reading:
         self.counts[event] += 1
-        self._origin = t
+        self._origin = sample.t
         self._march.restart(inputs.load)
-        self._watch.reset(f"the model restarted ({event})")
-        self._last = (t, inputs)
-        return self._reading(t, speed, inputs, event, (Window(), Window()), np.empty((0, 5)))
+        self._last = (sample.t, inputs)
+        return self._reading(sample, inputs, event, (Window(), Window()), np.empty((0, 5)))
 
     def _tau(self, t: float) -> float:
         return (t - self._origin) * self.train.model.time_scale
 
     def _reading(
         self,
-        t: float,
-        speed: float,
+        sample: Accepted,
         inputs: Inputs,
         event: str,
         windows: tuple[Window, Window],
@@ -169,9 +184,9 @@ class VirtualSensor:
         contacts = [Contact(d * length, r * length * scale, f * force) for d, r, f, _ in meshes.tolist()]
         section = np.column_stack([points[:, 1], points[:, 2], self._origin + points[:, 0] / scale])
         return Reading(
-            t,
-            speed,
-            inputs.load,
+            sample.t,
+            sample.speed,
+            sample.load,
             event,
             (
                 ForceWindow.from_dimensionless(windows[0], force, scale),

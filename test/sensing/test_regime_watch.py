@@ -19,7 +19,8 @@ def points(n: int, period: int = 1, growth: float = -0.5, start: int = 0, irregu
 
 def fed(watch: RegimeWatch, found: Array, frequency: float, load: float) -> Regime:
     """Feed points at the time of the last of them, s: 1861.5 units of τ make a second of the packaged train."""
-    return watch.add(found, float(found[-1, 0]) / 1861.5, frequency, load)
+    watch.drive(float(found[-1, 0]) / 1861.5, frequency, load)
+    return watch.add(found)
 
 
 def test_a_steady_periodic_drive_is_recognised_with_its_period_and_exponent() -> None:
@@ -101,7 +102,8 @@ def test_calls_without_points_change_nothing() -> None:
     watch = RegimeWatch()
     before = fed(watch, points(160), 0.9, 100.0)
     for n in range(50):
-        assert watch.add(np.empty((0, 5)), 1.0 + 0.01 * n, 0.9, 100.0) is before
+        assert watch.drive(1.0 + 0.01 * n, 0.9, 100.0) is before
+        assert watch.add(np.empty((0, 5))) is before
 
 
 def test_measured_noise_does_not_hide_a_period() -> None:
@@ -113,8 +115,8 @@ def judged(load: float, speed_noise: float, seed: int) -> float:
     """Return the share of 5 s of a steady noisy drive in which a motion was judged; 300 points and 100 samples a s."""
     generator, watch, found = np.random.default_rng(seed), RegimeWatch(), []
     for k in range(600):
-        noisy = 1.0 + speed_noise / 1045.6 * generator.normal(), load + 5.0 * generator.normal()
-        found.append(watch.add(points(3, start=3 * k), 0.01 * k, *noisy).lyapunov is not None)
+        watch.drive(0.01 * k, 1.0 + speed_noise / 1045.6 * generator.normal(), load + 5.0 * generator.normal())
+        found.append(watch.add(points(3, start=3 * k)).lyapunov is not None)
     return float(np.mean(found[100:]))
 
 
@@ -129,8 +131,9 @@ def test_a_noisy_steady_drive_is_judged_nearly_always(load: float, speed_noise: 
 def test_a_load_step_under_noise_begins_a_new_record_at_once() -> None:
     generator, watch = np.random.default_rng(7), RegimeWatch()
     for k in range(200):
-        watch.add(points(3, start=3 * k), 0.01 * k, 1.0, 150.0 + 5.0 * generator.normal())
+        watch.drive(0.01 * k, 1.0, 150.0 + 5.0 * generator.normal())
+        watch.add(points(3, start=3 * k))
     assert watch.regime.name == "periodic"
     # 10 N·m of floor and six deviations of 5 N·m, noise of the sample aside.
-    regime = watch.add(points(3, start=600), 2.0, 1.0, 150.0 + 80.0)
+    regime = watch.drive(2.0, 1.0, 150.0 + 80.0)
     assert (regime.name, regime.reason) == ("undecided", "the drive is not steady")

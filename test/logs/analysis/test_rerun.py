@@ -183,7 +183,7 @@ def test_silence_in_the_log_resets_the_alarm_of_the_replay_as_it_did_the_monitor
                 put(topics.MESH_FORCE, messages.mesh_force(now, windows), now)
             if k == 29:
                 session.silence("no speed for more than 0.5 s")
-                put(topics.CHAOS_WARNING, messages.chaos_warning("w", session.verdict, session.reading), now + 1)
+                put(topics.CHAOS_WARNING, messages.chaos_warning("w", session.verdict, session.sample), now + 1)
     found = rerun(path, load_train())
     assert found.silences == 1
     assert found.first_difference is None
