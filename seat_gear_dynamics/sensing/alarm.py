@@ -191,15 +191,21 @@ class Alarm:
         return self.settings.hysteresis + (_FIRM * self._speed.error if self._noisy() else 0.0)
 
     def _time_to_band(self, bands: Bands, magnitude: float, load: float) -> float | None:
-        if not self._speed.spans_half:
-            slope = 0.0  # a slope of the first few samples is their noise
-        else:
-            slope = self._speed.sure_slope() if self._noisy() else self._speed.slope()
+        slope = self._slope()
         change = self._load.sure_slope() if self.source.follows_load and self._load.spans_half else 0.0
         if change:
             rates = (slope, change)
             return approach.time_to_moving_band(self.source, magnitude, load, rates, self.settings.horizon)
         return approach.time_to_band(bands, magnitude, slope)
+
+    def _slope(self) -> float:
+        """Return the slope of |speed| to look ahead by, rad/s²."""
+        if not self._speed.spans_half:
+            return 0.0  # a slope of the first few samples is their noise
+        begun = self._speed.begun()
+        if begun is not None:
+            return begun
+        return self._speed.sure_slope() if self._noisy() else self._speed.slope()
 
     def _track(self, bands: Bands, magnitude: float) -> None:
         """Follow being inside a band and near one, each left only beyond the hysteresis."""

@@ -25,6 +25,19 @@ class Line(NamedTuple):
     """From the times' mean to the last time, s."""
 
 
+class Rise(NamedTuple):
+    """How a quantity rose or fell over a few samples; all 0 of less than three."""
+
+    slope: float
+    """Of the least-squares line, per s."""
+    error: float
+    """Standard error of the slope by what the samples lie off the line, per s."""
+    square: float
+    """Sum of the squared distances of the times from their mean, s²."""
+    largest: float
+    """The largest difference of two neighbours, over that of the first and the last; infinite where that is 0."""
+
+
 class Samples:
     """The samples of the last `window` s, one after the other in memory.
 
@@ -64,6 +77,15 @@ class Samples:
         """Return the line through the samples from time `since` (s) on."""
         return Line(*_line(self._time, self._value, self._first, self._end, since))
 
+    def rise(self, since: float, least: int) -> Rise | None:
+        """Return how the samples from time `since` (s) on rose, or the last `least` of them where those are more.
+
+        None where there are fewer.
+        """
+        if len(self) < least:
+            return None
+        return Rise(*_rise(self._time, self._value, self._first, self._end, since, least))
+
     def mean(self, since: float = -np.inf) -> tuple[float, int]:
         """Return the mean of the samples from time `since` (s) on, and of how many measurements it is."""
         mean, count, stretches = _mean(self._time, self._value, self._first, self._end, since)
@@ -100,6 +122,26 @@ def _line(time: Array, value: Array, first: int, end: int, since: float) -> tupl
         product += spread * (value[k] - x0)
     slope = product / square if square > 0 else 0.0
     return n, x0 + x_sum / n, slope, square, time[end - 1] - t0 - t_mean
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def _rise(time: Array, value: Array, first: int, end: int, since: float, least: int) -> tuple[float, ...]:
+    while first < end - least and time[first] < since:
+        first += 1
+    n, _, slope, square, after = _line(time, value, first, end, -np.inf)
+    if n < 3 or not square > 0:
+        return 0.0, 0.0, 0.0, 0.0
+    t_mean, x_sum = time[end - 1] - after, 0.0
+    for k in range(first, end):
+        x_sum += value[k] - value[first]
+    off, largest = 0.0, 0.0
+    for k in range(first, end):
+        residual = value[k] - value[first] - x_sum / n - slope * (time[k] - t_mean)
+        off += residual * residual
+        if k > first:
+            largest = max(largest, abs(value[k] - value[k - 1]))
+    whole = abs(value[end - 1] - value[first])
+    return slope, np.sqrt(off / (n - 2) / square), square, largest / whole if whole > 0 else np.inf
 
 
 @njit(cache=True, nogil=True, error_model="numpy")

@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
+from scipy.stats import linregress
 
 from seat_gear_dynamics.sensing.differences import Differences
 from seat_gear_dynamics.sensing.line import Samples
@@ -30,6 +31,33 @@ def test_a_line_is_least_squares_over_the_window_or_a_part_of_it(values: list[fl
     assert line.slope == pytest.approx(slope, abs=1e-6)
     assert line.square == pytest.approx(((time - time.mean()) ** 2).sum(), rel=1e-9)
     assert line.after == pytest.approx(time[-1] - time.mean(), rel=1e-9)
+
+
+@given(st.lists(st.floats(-1e3, 1e3), min_size=6, max_size=40), st.integers(6, 20))
+def test_a_rise_has_the_slope_and_the_standard_error_of_a_regression(values: list[float], last: int) -> None:
+    n = min(len(values), last)
+    time, kept = np.arange(len(values))[-n:] / 100, np.array(values)[-n:]
+    rise = filled(values, window=1.0).rise(float(time[0]), 6)
+    assert rise is not None
+    found = linregress(time, kept)
+    # Rounding as of a line, and of a square root where all samples lie on it: sqrt(1e-13) · 1e3 over 0.04 s.
+    assert rise.slope == pytest.approx(found.slope, abs=1e-6)
+    error = 0.0 if np.ptp(kept) == 0 else found.stderr  # SciPy gives NaN for a constant
+    assert rise.error == pytest.approx(error, rel=1e-6, abs=1e-2)
+    assert rise.square == pytest.approx(((time - time.mean()) ** 2).sum(), rel=1e-9)
+    whole = abs(kept[-1] - kept[0])
+    assert rise.largest == (pytest.approx(np.abs(np.diff(kept)).max() / whole) if whole else np.inf)
+
+
+def test_a_rise_takes_so_many_samples_at_least_and_is_none_without_them() -> None:
+    values = [0.0, 0.0, 0.0, 0.0, 1.0, 2.0, 3.0]
+    assert filled(values[:5]).rise(0.0, 6) is None
+    six, three = filled(values).rise(0.055, 6), filled(values).rise(0.035, 3)
+    assert six is not None
+    assert three is not None
+    assert six.slope == pytest.approx(linregress(np.arange(6) / 100, values[1:]).slope)
+    assert three.slope == pytest.approx(100.0)
+    assert three.largest == pytest.approx(1 / 2)
 
 
 @given(st.floats(-1e4, 1e4))

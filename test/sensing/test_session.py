@@ -3,12 +3,13 @@
 import os
 import subprocess
 import sys
+from itertools import pairwise
 from pathlib import Path
 
 import numpy as np
 import pytest
 
-from seat_gear_dynamics.gears import GearTrain
+from seat_gear_dynamics.gears import GearTrain, load_train
 from seat_gear_dynamics.gears.units import RPM
 from seat_gear_dynamics.motion.compiling import COMPILING
 from seat_gear_dynamics.sensing import AlarmSettings, Change, ForceWindow, Level, RejectedSampleError, Session
@@ -18,6 +19,11 @@ LOAD = 100.0
 
 def feed(session: Session, rpm: np.ndarray, *, start: float = 0.0) -> list[Change]:
     return [session.feed(start + n / 100, float(v) * RPM, LOAD) for n, v in enumerate(rpm)]
+
+
+def placed(session: Session) -> list[float]:
+    """Return the state of the session's model, empty before a sample."""
+    return [] if session.sensor.state is None else session.sensor.state.tolist()
 
 
 @pytest.fixture
@@ -40,6 +46,43 @@ def test_a_change_is_flagged_exactly_where_level_or_trip_signal_moves(session: S
     assert sum(c.changed for c in changes) >= 4
     assert session.verdict is changes[-1].verdict
     assert session.reading is changes[-1].reading
+
+
+def test_a_sample_is_judged_before_the_model_moves_and_then_all_is_as_if_fed(train: GearTrain) -> None:
+    fed, parted = Session(train), Session(train)
+    for n, rpm in enumerate(np.concatenate([np.full(30, 1340.0), np.full(30, 1354.0)])):
+        change = fed.feed(n / 100, rpm * RPM, LOAD)
+        state, reading = placed(parted), parted.reading
+        judged = parted.judge(n / 100, rpm * RPM, LOAD)
+        assert (judged.verdict, judged.changed, judged.sample) == (change.verdict, change.changed, change.sample)
+        assert parted.verdict is judged.verdict
+        assert parted.reading is reading
+        assert placed(parted) == state
+        after = parted.advance(judged.sample)
+        assert placed(parted) == placed(fed)
+        assert (after.windows, after.contacts, after.regime) == (
+            change.reading.windows,
+            change.reading.contacts,
+            change.reading.regime,
+        )
+    assert parted.verdict.in_band
+
+
+def test_motion_is_judged_up_to_the_sample_before(train: GearTrain) -> None:
+    session = Session(train)
+    changes = feed(session, np.full(400, 1000.0))
+    for before, after in pairwise(changes):
+        assert after.sample.regime is before.reading.regime
+    assert changes[-1].sample.regime.name != "undecided"
+
+
+def test_a_drive_that_moved_is_not_judged_by_the_motion_it_left() -> None:
+    session = Session(load_train())  # the packaged one is chaotic at 1800 r/min
+    chaos = [session.feed(n / 100, 1800 * RPM, 600.0) for n in range(400)]
+    assert chaos[-1].sample.regime.name == "chaotic"
+    change = session.feed(4.0, 1450 * RPM, 600.0)
+    assert (change.sample.regime.name, change.sample.regime.reason) == ("undecided", "the drive is not steady")
+    assert not any(sign.kind == "motion" for sign in change.verdict.evidence)
 
 
 def test_silence_is_stale_and_flagged_once(session: Session) -> None:

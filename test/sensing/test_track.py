@@ -1,5 +1,7 @@
 """Level, slope and noise of a measured quantity, told apart."""
 
+from itertools import groupby
+
 import numpy as np
 import pytest
 from hypothesis import given
@@ -80,6 +82,50 @@ def test_a_slope_within_its_error_is_not_believed() -> None:
     assert noisy.sure_slope() == 0.0
     ramp = 200 * np.arange(60) / 100
     assert fed(ramp + np.random.default_rng(4).normal(1000, 5.0, 60)).sure_slope() == pytest.approx(200, abs=45)
+
+
+def beginnings(values: np.ndarray, rate: float = 100.0) -> np.ndarray:
+    """Return for each sample whether a slope has begun, which is not so much as asked for 0.15 s."""
+    track, found = Track(0.3), []
+    for n, value in enumerate(values.tolist()):
+        track.add(n / rate, value)
+        found.append(track.begun() is not None and track.spans_half)
+    return np.array(found)
+
+
+@pytest.mark.parametrize("seed", range(10))
+@pytest.mark.parametrize("sign", [1, -1])
+def test_a_ramp_that_begins_shows_in_half_a_tenth_of_a_second(seed: int, sign: int) -> None:
+    noise, ramp = np.random.default_rng(seed).normal(0, 0.5, 120), np.maximum(np.arange(120) - 99, 0) * 2.0
+    found = beginnings(1400 + sign * ramp + noise)
+    assert not found[:100].any()
+    assert np.argmax(found) <= 105
+    assert found[105:].all(), "it goes on being seen"
+    track = fed(1400 + sign * ramp + noise)
+    # At its last sample the sixth of the window holds the ramp alone: 200 ± 0.5/sqrt(17.5e-4) = 12, four of these.
+    assert track.begun() == pytest.approx(sign * 200, abs=48)
+    assert abs(fed((1400 + sign * ramp + noise)[:108]).slope()) < 60
+
+
+def test_noise_begins_nothing_that_lasts() -> None:
+    # Ten minutes. The noise is itself an estimate, so five errors are exceeded some thirty times an hour, but not for
+    # the four samples that outlast the debounce of 0.03 s.
+    found = beginnings(np.random.default_rng(3).normal(1000, 0.5, 60_000))
+    lasted = [len(list(samples)) for begun, samples in groupby(found) if begun]
+    assert len(lasted) < 15
+    assert max(lasted, default=0) <= 3
+
+
+@pytest.mark.parametrize("rate", [50.0, 100.0, 1000.0])
+def test_neither_a_step_nor_one_of_a_sensor_is_a_slope_that_begins(rate: float) -> None:
+    noise = np.random.default_rng(4).normal(0, 0.2, 400)
+    step = np.where(np.arange(400) < 200, 0.0, 20.0)
+    assert not beginnings(1000 + step + noise, rate).any()
+    assert not beginnings(1000 + step, rate).any()
+
+
+def test_where_six_samples_reach_beyond_the_window_nothing_is_seen_to_begin() -> None:
+    assert not beginnings(100.0 * np.arange(60), rate=15.0).any()
 
 
 def test_a_reset_forgets() -> None:

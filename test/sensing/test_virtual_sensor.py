@@ -55,6 +55,32 @@ def test_at_constant_speed_it_makes_the_very_steps_of_the_integration(
     assert found[:, :2].tolist() == expected.section.tolist()
 
 
+def test_an_accepted_sample_leaves_the_model_where_it_is_until_it_is_advanced(
+    sensor: VirtualSensor, train: GearTrain
+) -> None:
+    readings = drive(sensor, np.arange(10) / 100, train.speed(0.5))
+    state = sensor.state
+    assert state is not None
+    sample = sensor.accept(0.1, train.speed(0.5), LOAD)
+    assert (sample.event, sample.regime) == ("running", readings[-1].regime)
+    assert sensor.state is not None
+    assert np.array_equal(sensor.state, state)
+    assert sensor.counts["accepted"] == 9
+    reading = sensor.advance(sample)
+    sensor.state = state
+    assert reading.windows == sensor.update(0.1, train.speed(0.5), LOAD).windows
+
+
+@pytest.mark.parametrize(("t", "event"), [(5.0, "gap"), (-9.0, "clock stepped back")])
+def test_a_restart_is_known_when_the_sample_is_accepted(sensor: VirtualSensor, t: float, event: str) -> None:
+    drive(sensor, np.arange(60) / 100, 100.0)
+    sample = sensor.accept(t, 100.0, LOAD)
+    assert (sample.event, sample.regime.reason) == (event, f"the model restarted ({event})")
+    assert sensor.counts[event] == 0
+    assert sensor.advance(sample).event == event
+    assert sensor.counts[event] == 1
+
+
 def test_first_sample_puts_the_train_at_rest_under_its_load(sensor: VirtualSensor, train: GearTrain) -> None:
     reading = sensor.update(12.5, train.speed(0.5), LOAD)
     assert reading.event == "started"
