@@ -68,7 +68,7 @@ def run_of(speeds: Points) -> Iterator[Published]:
         change = session.feed((now - first_ns) * 1e-9, sample.speed, sample.load)
         if change.changed or step % WARNING == 0:
             yield Published(topics.IN_FORBIDDEN_BAND, Bool(data=change.verdict.in_band), now)
-            warning = messages.chaos_warning("gear_monitor: chaos warning", change.verdict, change.reading)
+            warning = messages.chaos_warning("gear_monitor: chaos warning", change.verdict, change.sample)
             yield Published(topics.CHAOS_WARNING, warning, now)
         yield Published(topics.MODEL_INPUT, messages.model_input(now, sample.speed, sample.load), now)
         windows = session.take_windows()

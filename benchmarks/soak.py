@@ -22,8 +22,8 @@ from typing import Any
 import numpy as np
 
 from benchmarks import machine
-from benchmarks.monitor_process import monitor
 from benchmarks.node import memory, processor_seconds
+from benchmarks.processes import monitor
 from benchmarks.ratio import Findings, Ratio
 
 MINUTES, SHORT_MINUTES = 60.0, 10.0

@@ -226,8 +226,8 @@ class Alarm:
         return (*self.source.at(self._load.fitted - off), *self.source.at(self._load.fitted + off), *bands)
 
     def _weigh(self, t: float, regime: Regime, scatter: float | None, chance: float | None, *, settled: bool) -> Motion:
-        """Return what the running model says, and follow how long it has said chaos."""
-        if regime.name != "chaotic":
+        """Return what the running model says, and follow how long it has said chaos, its start left out."""
+        if regime.name != "chaotic" or not settled:
             self._chaotic_since = None
         elif self._chaotic_since is None:
             self._chaotic_since = t

@@ -23,7 +23,7 @@ PRIOR = -2.0
 """Log-odds of chaos where no map says more: 12 %, less than the share of the studied speeds that are forbidden."""
 SCATTER_POINTS = 64
 """Section points that the scatter is measured on."""
-_MOST = 8.0  # standard errors that count: the exponent's error is itself an estimate
+_MOST = 5.0  # standard errors that count: more of them make a moment surer, but no moment lasts
 _SURE = 3.0  # standard errors that the classification asks of chaos
 _UNDECIDED_MOST = 2.5  # likewise while the classification does not vouch for the motion
 _PRIOR_MOST = 3.0  # log-odds either way that a map's probability counts before the motion is seen
@@ -89,15 +89,18 @@ def weigh(
 
     `prior` is a map's probability of chaos (None: PRIOR is used); `scatter` that of the section, see `scatter_of`;
     `lasting` the number of further records, without a point in common, that have shown chaos without a break. Added
-    are: the exponent's distance from LEAST_CHAOS in its standard errors, at most 8, and 2.5 while the regime is
+    are: the exponent's distance from LEAST_CHAOS in its standard errors, at most 5, and 2.5 while the regime is
     undecided; +1 where the classification finds chaos, -2 for a torus, -3 for a period; +1 for each lasting record, at
     most 3; half a unit each for the 0-1 test and the scatter, the latter only where it agrees with the exponent's sign.
 
     What it takes: the classification asks three errors. It judges 25 times a second, some 7000 times an hour without
     common points, and the error of an exponent from 48 to 192 points may be half as large again as it says; for less
-    than one mistake an hour an exponent alone has to have 5.5 of them (3.6 of a normal distribution). So much is an
-    ERROR at once without a map; a weaker one has to last. Where a map gives no chaos it takes one error more. Chaos
-    that falls short, and one that leans (one error), is a WARN. A model that is not `settled` since it began at rest
+    than one mistake an hour an exponent alone would have to have 5.5 of them (3.6 of a normal distribution). But one
+    record tells of half a second: beside a band calm motion may have chaotic spells, after a change of drive or by the
+    noise that the model is driven with, and they are as sure as any chaos. So without a map no record is an ERROR
+    alone: chaos of 4.5 errors has to last for half a second, one of 3.5 for a second. Where a map gives no chaos it
+    takes half a second more, where it gives chaos there is no wait. Chaos that falls short, and one that leans
+    (one error), is a WARN. A model that is not `settled` since it began at rest
     has a transient that the machine has not: nothing but the prior counts. Limit: the pieces are not independent, all
     come of one run of one model; that is why each is bounded.
     """

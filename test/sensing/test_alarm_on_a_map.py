@@ -73,7 +73,7 @@ def test_outside_the_map_the_level_is_stale_and_the_sentence_names_its_ends(sour
 
 
 def test_chaos_outside_the_map_is_an_error_still(source: MapBands, feed: Feed, chaotic: Regime) -> None:
-    verdict = feed(Alarm(source, settings=SETTINGS), [50.0] * 50, [450.0] * 50, chaotic)[-1]
+    verdict = feed(Alarm(source, settings=SETTINGS), [50.0] * 60, [450.0] * 60, chaotic)[-1]
     assert (verdict.level, verdict.in_band) == (ERROR, False)
 
 
@@ -150,6 +150,10 @@ def test_a_session_takes_a_map_and_begins_with_the_published_bands(train: GearTr
 
 def test_the_transient_of_a_model_that_has_just_begun_is_no_evidence(calm: Regime, chaotic: Regime) -> None:
     alarm = Alarm([], covered_speed=200.0)
-    young = [alarm.update(n / 100, 100.0, 600.0, chaotic, settled=False) for n in range(50)]
+    young = [alarm.update(n / 100, 100.0, 600.0, chaotic, settled=False) for n in range(150)]
     assert {v.level for v in young} == {OK}
-    assert alarm.update(0.5, 100.0, 600.0, chaotic).reason.startswith("the motion is chaotic")
+    # Nor does it count that it has lasted: the first half second is that from now on.
+    settled = [alarm.update(1.5 + n / 100, 100.0, 600.0, chaotic) for n in range(60)]
+    stated = [v.reason.startswith("the motion is chaotic") for v in settled]
+    assert stated.index(True) == 50
+    assert all(stated[50:])

@@ -30,22 +30,25 @@ def judged(name: Name, errors: float, *, zero_one: float | None = None) -> Regim
 
 
 @pytest.mark.parametrize(
-    ("name", "errors", "level"),
+    ("name", "errors", "level", "lasting"),
     [
-        ("periodic", -5.0, Level.OK),
-        ("periodic", 2.9, Level.OK),
-        ("quasi-periodic", 2.9, Level.OK),
-        ("undecided", 0.9, Level.OK),
-        ("undecided", 1.1, Level.WARN),
-        ("undecided", 50.0, Level.WARN),
-        ("chaotic", 3.0, Level.WARN),
-        ("chaotic", 5.4, Level.WARN),
-        ("chaotic", 5.6, Level.ERROR),
-        ("chaotic", 50.0, Level.ERROR),
+        ("periodic", -5.0, Level.OK, 0),
+        ("periodic", 2.9, Level.OK, 0),
+        ("quasi-periodic", 2.9, Level.OK, 0),
+        ("undecided", 0.9, Level.OK, 0),
+        ("undecided", 1.1, Level.WARN, 0),
+        ("undecided", 50.0, Level.WARN, 3),
+        ("chaotic", 3.0, Level.WARN, 0),
+        ("chaotic", 50.0, Level.WARN, 0),
+        ("chaotic", 4.4, Level.WARN, 1),
+        ("chaotic", 4.6, Level.ERROR, 1),
+        ("chaotic", 50.0, Level.ERROR, 1),
     ],
 )
-def test_without_a_map_the_classification_and_its_errors_decide(name: Name, errors: float, level: Level) -> None:
-    assert weigh(judged(name, errors)).level == level
+def test_without_a_map_classification_errors_and_time_decide(
+    name: Name, errors: float, level: Level, lasting: int
+) -> None:
+    assert weigh(judged(name, errors), lasting=lasting).level == level
 
 
 def test_the_sum_is_of_its_parts_and_they_are_named() -> None:
@@ -63,10 +66,11 @@ def test_weak_chaos_that_lasts_becomes_an_error() -> None:
 
 def test_a_map_without_chaos_asks_for_more_and_one_with_chaos_for_less() -> None:
     def least(prior: float) -> float:
-        return next(e for e in np.arange(3, 9, 0.1) if weigh(judged("chaotic", float(e)), prior).level == Level.ERROR)
+        exponents = np.arange(3, 9, 0.1)
+        return next(e for e in exponents if weigh(judged("chaotic", float(e)), prior, lasting=2).level == Level.ERROR)
 
     assert least(0.001) > least(probability_of(PRIOR)) > least(0.4)
-    assert least(0.001) == pytest.approx(6.5, abs=0.11)  # within the step, and never out of reach
+    assert least(0.001) == pytest.approx(4.5, abs=0.11)  # within the step, and never out of reach
 
 
 def test_the_zero_one_test_and_the_scatter_count_only_as_hints() -> None:

@@ -1,4 +1,4 @@
-"""The monitor as a process of its own, for benchmarks that talk to it."""
+"""Nodes as processes of their own, for benchmarks that talk to them."""
 
 import os
 import signal
@@ -13,9 +13,24 @@ from pathlib import Path
 def monitor(domain: int, folder: Path, settings: Sequence[str]) -> Iterator["subprocess.Popen[bytes]"]:
     """Run the monitor on a domain with parameters `NAME:=VALUE`, its words in a file of `folder`."""
     flags = [part for setting in settings for part in ("-p", setting)]
-    command = [sys.executable, "-m", "seat_gear_dynamics.nodes.monitor", "--ros-args", *flags]
-    with (folder / "monitor").open("wb") as words:
+    with _process("seat_gear_dynamics.nodes.monitor", domain, folder, ("--ros-args", *flags)) as process:
+        yield process
+
+
+@contextmanager
+def echo(domain: int, folder: Path) -> Iterator["subprocess.Popen[bytes]"]:
+    """Run a node that answers each number with the same number, its words in a file of `folder`."""
+    with _process("benchmarks.echo", domain, folder) as process:
+        yield process
+
+
+@contextmanager
+def _process(
+    module: str, domain: int, folder: Path, arguments: Sequence[str] = ()
+) -> Iterator["subprocess.Popen[bytes]"]:
+    with (folder / module).open("wb") as words:
         environment = {**os.environ, "ROS_DOMAIN_ID": str(domain)}
+        command = [sys.executable, "-m", module, *arguments]
         process = subprocess.Popen(command, stdout=words, stderr=words, env=environment)
     try:
         yield process
