@@ -184,7 +184,7 @@ def test_the_summary_counts_what_the_analysis_found(found: Analysis) -> None:
     spans = [span for span, _, _ in found.levels.spans]  # the recorder hears the first warning later than other topics
     assert sum(values["warning_time"].values()) == pytest.approx(spans[-1].end - spans[0].begin)
     assert values["detection"]["stays"] == len(found.detection.episodes) > 0
-    assert values["topics"]["/gear_monitor/input"]["count"] == 801
+    assert values["topics"]["/gear_monitor/input"]["count"] == 810
     text = "\n".join(summary_lines(found))
     assert "1349-1359 r/min (forbidden)" in text
     assert "as logged" in text
