@@ -26,7 +26,7 @@ class Line(NamedTuple):
 
 
 class Rise(NamedTuple):
-    """How a quantity rose or fell over a few samples; all 0 of less than three."""
+    """How a quantity rose or fell over a few samples; all 0 where all times are equal."""
 
     slope: float
     """Of the least-squares line, per s."""

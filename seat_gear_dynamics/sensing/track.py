@@ -62,7 +62,7 @@ class Track:
         if self._measured is None or t - self._measured >= _EVERY:
             self._measured, self.noise = t, self._differences.robust()
         self._fit(t, value)
-        self._begun = self._beginning(t)
+        self._begun = None if self._held else self._beginning(t)
 
     def slope(self) -> float:
         """Return the least-squares slope over the window, per s; 0 while it cannot be known."""
@@ -73,8 +73,8 @@ class Track:
 
         What begins to move shows there long before it does over the whole window. Certain is what exceeds five standard
         errors, both by the noise and by what the samples lie off their line, and is no step: no difference of two
-        samples is more than half of the rise. It stays so while it exceeds two with its sign. Limit: a sensor's steps
-        hide it that are not much finer than the rise.
+        samples is more than half of the rise. It stays so while it exceeds two with its sign. Limits: a sensor's steps
+        hide it that are not much finer than the rise; a value that is held is not looked at.
         """
         return self._begun
 
